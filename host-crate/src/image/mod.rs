@@ -1,0 +1,1 @@
+//! Pictures on disk: EXR with named layers, PNG, and their comparison.

@@ -1,0 +1,241 @@
+//! Traversal of the compressed wide BVH.
+//!
+//! Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017. The nodes are
+//! those of the crate obvhs: 80 bytes, read here as five `uvec4`s,
+//!
+//!     0: origin xyz (f32), exponents of the grid x | y | z and the mask of inner children (a byte each)
+//!     1: first child node, first triangle, meta of children 0-3, of children 4-7
+//!     2: min x of children 0-3, 4-7, max x of children 0-3, 4-7
+//!     3, 4: the same for y and z
+//!
+//! A ray's work is two groups of bits. A **node group** is (first child, hits << 24 | inner mask): bit 24 + k is a
+//! child still to visit, k its place in the order in which this ray's octant visits children, nearest highest. A **triangle group** is (first
+//! triangle, a bit for each triangle still to test).
+
+use crate::glam::{UVec2, UVec4, Vec3, Vec4};
+use crate::ray::{Hit, Ray};
+use crate::triangle::TriangleView;
+
+/// `uvec4`s of one node.
+pub const ROWS_PER_NODE: u32 = 5;
+/// Deepest hierarchy that can be traversed, in nodes on one path from the root: each of them leaves at most one
+/// group on the stack. Whoever builds a [`BvhView`]'s buffer checks it.
+pub const MAX_DEPTH: u32 = 24;
+
+/// A node group's bits of children still to visit.
+const PENDING: u32 = 0xff00_0000;
+/// Smallest magnitude of a direction's component in the box test: with it the reciprocal stays finite and an
+/// axis-parallel ray gives large numbers of the right sign, not NaN.
+const MIN_DIRECTION: f32 = 1e-18;
+/// Widens a box's exit by the roundings of its test, so that a ray through an edge that two boxes share hits one.
+const WIDEN: f32 = 1.000_001;
+
+/// The BVH of a scene and the triangles in its leaves.
+#[derive(Clone, Copy)]
+pub struct BvhView<'a> {
+    nodes: &'a [UVec4],
+    triangles: TriangleView<'a>,
+}
+
+impl<'a> BvhView<'a> {
+    /// Wraps the buffers. `nodes` has at least the root, no path longer than [`MAX_DEPTH`], and only indices that are in range.
+    pub fn new(nodes: &'a [UVec4], triangles: &'a [UVec4]) -> Self {
+        Self { nodes, triangles: TriangleView::new(triangles) }
+    }
+
+    /// The triangles, in the order of the leaves.
+    pub fn triangles(&self) -> TriangleView<'a> {
+        self.triangles
+    }
+
+    /// The nearest triangle that `ray` hits in `0 < t < ray.t_max`.
+    pub fn closest_hit(&self, ray: &Ray) -> Hit {
+        self.traverse::<false>(ray)
+    }
+
+    /// Whether `ray` hits any triangle in `0 < t < ray.t_max`.
+    pub fn is_occluded(&self, ray: &Ray) -> bool {
+        self.traverse::<true>(ray).is_some()
+    }
+
+    #[inline(always)]
+    fn traverse<const ANY_HIT: bool>(&self, ray: &Ray) -> Hit {
+        let local = BoxRay::new(ray);
+        let mut hit = Hit::miss(ray.t_max);
+        let mut stack = [UVec2::ZERO; MAX_DEPTH as usize];
+        let mut stacked = 0_usize;
+        // As if the root were the only child of a node above it.
+        let mut group = UVec2::new(0, 0x8000_0000);
+        loop {
+            let place = 31 - group.y.leading_zeros();
+            let inner_mask = group.y;
+            group.y &= !(1 << place);
+            if group.y & PENDING != 0 {
+                stack[stacked] = group;
+                stacked += 1;
+            }
+            let slot = (place ^ local.octant) & 7;
+            let preceding = (inner_mask & !(u32::MAX << slot) & 0xff).count_ones();
+            let node = self.node(group.x + preceding);
+            let hits = local.intersect(&node, hit.t);
+            group = UVec2::new(node.first_child(), hits & PENDING | node.inner_mask());
+
+            let mut triangles = hits & !PENDING;
+            while triangles != 0 {
+                let offset = triangles.trailing_zeros();
+                triangles &= triangles - 1;
+                let index = node.first_triangle() + offset;
+                let (t, u, v) = self.triangles.get(index).intersect(ray.origin, ray.direction);
+                if t > 0.0 && t < hit.t {
+                    hit = Hit { t, u, v, triangle: index };
+                    if ANY_HIT {
+                        return hit;
+                    }
+                }
+            }
+
+            if group.y & PENDING == 0 {
+                if stacked == 0 {
+                    return hit;
+                }
+                stacked -= 1;
+                group = stack[stacked];
+            }
+        }
+    }
+
+    fn node(&self, index: u32) -> Node {
+        let first = (index * ROWS_PER_NODE) as usize;
+        Node {
+            grid: self.nodes[first],
+            children: self.nodes[first + 1],
+            x: self.nodes[first + 2],
+            y: self.nodes[first + 3],
+            z: self.nodes[first + 4],
+        }
+    }
+}
+
+/// One node, as it lies in memory.
+#[derive(Clone, Copy)]
+struct Node {
+    grid: UVec4,
+    children: UVec4,
+    x: UVec4,
+    y: UVec4,
+    z: UVec4,
+}
+
+impl Node {
+    fn first_child(&self) -> u32 {
+        self.children.x
+    }
+
+    fn first_triangle(&self) -> u32 {
+        self.children.y
+    }
+
+    fn inner_mask(&self) -> u32 {
+        self.grid.w >> 24
+    }
+
+    /// Corner of the grid of child boxes.
+    fn origin(&self) -> Vec3 {
+        Vec3::new(f32::from_bits(self.grid.x), f32::from_bits(self.grid.y), f32::from_bits(self.grid.z))
+    }
+
+    /// Step of the grid of child boxes.
+    fn step(&self) -> Vec3 {
+        let e = self.grid.w;
+        Vec3::new(
+            f32::from_bits((e & 0xff) << 23),
+            f32::from_bits((e >> 8 & 0xff) << 23),
+            f32::from_bits((e >> 16 & 0xff) << 23),
+        )
+    }
+}
+
+/// What the box test needs of a ray.
+#[derive(Clone, Copy)]
+struct BoxRay {
+    origin: Vec3,
+    inverse_direction: Vec3,
+    /// The place of child slot k in this ray's order is `k ^ octant`: bits 2, 1, 0 are set where x, y, z grow along the ray.
+    octant: u32,
+}
+
+impl BoxRay {
+    fn new(ray: &Ray) -> Self {
+        let d = ray.direction;
+        let inverse_direction = Vec3::new(finite_inverse(d.x), finite_inverse(d.y), finite_inverse(d.z));
+        let grows = |inverse: f32, bit: u32| if inverse < 0.0 { 0 } else { bit };
+        Self {
+            origin: ray.origin,
+            inverse_direction,
+            octant: grows(inverse_direction.x, 4) | grows(inverse_direction.y, 2) | grows(inverse_direction.z, 1),
+        }
+    }
+
+    /// The children of `node` that the ray enters before `t_max`: bit 24 + k for the inner child at place k, and a bit of the
+    /// lower 24 for every triangle of a leaf.
+    #[inline(always)]
+    fn intersect(&self, node: &Node, t_max: f32) -> u32 {
+        let scale = node.step() * self.inverse_direction;
+        let offset = (node.origin() - self.origin) * self.inverse_direction;
+        // Near and far planes: min and max swap where the ray runs backwards.
+        let order = |planes: UVec4, inverse: f32| {
+            if inverse < 0.0 { UVec4::new(planes.z, planes.w, planes.x, planes.y) } else { planes }
+        };
+        let x = order(node.x, self.inverse_direction.x);
+        let y = order(node.y, self.inverse_direction.y);
+        let z = order(node.z, self.inverse_direction.z);
+
+        let entered = |near: [u32; 3], far: [u32; 3]| {
+            let plane = |word: u32, scale: f32, offset: f32| bytes(word) * scale + Vec4::splat(offset);
+            let enter = plane(near[0], scale.x, offset.x)
+                .max(plane(near[1], scale.y, offset.y))
+                .max(plane(near[2], scale.z, offset.z))
+                .max(Vec4::ZERO);
+            let leave = plane(far[0], scale.x, offset.x)
+                .min(plane(far[1], scale.y, offset.y))
+                .min(plane(far[2], scale.z, offset.z))
+                .min(Vec4::splat(t_max))
+                * WIDEN;
+            enter.cmple(leave).bitmask()
+        };
+        let boxes = entered([x.x, y.x, z.x], [x.z, y.z, z.z]) | entered([x.y, y.y, z.y], [x.w, y.w, z.w]) << 4;
+
+        let inner = node.inner_mask();
+        let mut hits = self.place_slots(boxes & inner) << 24;
+        let mut leaves = boxes & !inner;
+        while leaves != 0 {
+            let slot = leaves.trailing_zeros();
+            leaves &= leaves - 1;
+            let word = if slot < 4 { node.children.z } else { node.children.w };
+            // Three upper bits: as many ones as triangles; the others: where the first of them stands. An empty slot is zero.
+            let meta = word >> ((slot & 3) * 8) & 0xff;
+            hits |= (meta >> 5) << (meta & 0x1f);
+        }
+        hits
+    }
+
+    /// Moves bit k of an 8-bit mask to bit `k ^ octant`.
+    fn place_slots(&self, mask: u32) -> u32 {
+        let swap = |mask: u32, bit: u32, low: u32| {
+            if self.octant & bit != 0 { (mask & low) << bit | mask >> bit & low } else { mask }
+        };
+        swap(swap(swap(mask, 1, 0x55), 2, 0x33), 4, 0x0f)
+    }
+}
+
+/// `1 / x`, finite also for zeros, of x's sign.
+fn finite_inverse(x: f32) -> f32 {
+    let magnitude = x.abs().max(MIN_DIRECTION);
+    1.0 / if x < 0.0 { -magnitude } else { magnitude }
+}
+
+/// The four bytes of a word, lowest first.
+#[inline(always)]
+fn bytes(word: u32) -> Vec4 {
+    UVec4::new(word & 0xff, word >> 8 & 0xff, word >> 16 & 0xff, word >> 24).as_vec4()
+}

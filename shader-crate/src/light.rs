@@ -1,0 +1,100 @@
+//! Emissive triangles, chosen by power.
+
+use crate::device_struct;
+use crate::glam::Vec3;
+
+device_struct! {
+    /// One emissive triangle, and one column of the alias table that chooses among them. 64 bytes.
+    pub struct Light {
+        /// First corner, in world units.
+        pub corner: Vec3,
+        /// The column stands for its own light if the upper 24 bits of a random number are below this, out of 2^24.
+        pub threshold: u32,
+        /// From the first corner to the second.
+        pub edge1: Vec3,
+        /// The light that the column stands for otherwise.
+        pub alias: u32,
+        /// From the first corner to the third.
+        pub edge2: Vec3,
+        /// Density of a point of this light, choice included, per area in world units: see [`area_pdf`].
+        pub pdf: f32,
+        /// Radiance of the front, linear Rec.709.
+        pub radiance: Vec3,
+        /// Unused; zero.
+        pub pad: u32,
+    }
+}
+
+/// Radiance as one number, for the choice: the mean of its components.
+pub fn importance(radiance: Vec3) -> f32 {
+    (radiance.x + radiance.y + radiance.z) * (1.0 / 3.0)
+}
+
+/// Density per area of choosing a point on a triangle of this `radiance`, when the choice is by power: importance times area
+/// over `total_importance` (the sum of that over all lights), times one over the area. The area cancels, so a path that
+/// finds a light knows the density from the material alone.
+pub fn area_pdf(radiance: Vec3, total_importance: f32) -> f32 {
+    importance(radiance) / total_importance
+}
+
+/// A point on a light.
+#[derive(Clone, Copy)]
+pub struct LightPoint {
+    /// Where, in world units.
+    pub position: Vec3,
+    /// Unit normal of the side that emits.
+    pub normal: Vec3,
+    /// What that side emits, linear Rec.709.
+    pub radiance: Vec3,
+    /// Density per area, choice included.
+    pub pdf: f32,
+}
+
+/// The lights of a scene.
+#[derive(Clone, Copy)]
+pub struct LightView<'a> {
+    lights: &'a [Light],
+    count: u32,
+}
+
+impl<'a> LightView<'a> {
+    /// Wraps the buffer, whose first `count` elements are lights.
+    pub fn new(lights: &'a [Light], count: u32) -> Self {
+        Self { lights, count }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// A light, chosen by power with the number `u` in [0, 1): Walker's alias method in integers, exact to 2^-24.
+    pub fn choose(&self, u: f32) -> u32 {
+        let scaled = u * self.count as f32;
+        let column = (scaled as u32).min(self.count - 1);
+        let rest = ((scaled - column as f32) * 16_777_216.0) as u32;
+        let light = &self.lights[column as usize];
+        if rest < light.threshold { column } else { light.alias }
+    }
+
+    /// A uniform point of the light number `index`, from a uniform point of the unit square.
+    ///
+    /// Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
+    pub fn sample(&self, index: u32, u: [f32; 2]) -> LightPoint {
+        let light = self.lights[index as usize];
+        let (a, b) = if u[1] > u[0] {
+            let a = 0.5 * u[0];
+            (a, u[1] - a)
+        } else {
+            let b = 0.5 * u[1];
+            (u[0] - b, b)
+        };
+        let scale = light.edge1.abs().max(light.edge2.abs()).max_element();
+        LightPoint {
+            position: light.corner + light.edge1 * a + light.edge2 * b,
+            normal: (light.edge1 / scale).cross(light.edge2 / scale).normalize(),
+            radiance: light.radiance,
+            pdf: light.pdf,
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Kernels that trace given rays and nothing else: for measuring traversal and for comparing processors hit by hit.
+
+use crate::bvh::BvhView;
+use crate::device_struct;
+use crate::glam::UVec4;
+use crate::light::{Light, LightView};
+use crate::math::sample_cosine_hemisphere;
+use crate::path::PathParams;
+use crate::ray::{Hit, Ray, SurfacePoint};
+use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream};
+use crate::stream::Slot;
+use crate::tiles::pixel_of_rank;
+
+device_struct! {
+    /// The parameters of a trace of `threads` rays. 16 bytes.
+    pub struct ProbeParams {
+        /// Rays.
+        pub threads: u32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// Unused; zero.
+        pub pad2: u32,
+    }
+}
+
+/// Kernel: the ray through the centre of the pixel of slot `lane`.
+pub fn primary_rays(lane: u32, params: &PathParams, slots: &[Slot], ray: &mut Ray) {
+    let camera = &params.camera;
+    let (x, y) = pixel_of_rank(slots[lane as usize].rank, camera.width, camera.height);
+    *ray = camera.ray(x, y, [0.5, 0.5]);
+}
+
+/// Kernel: a cosine-distributed ray from what ray `lane` hit, on the side that it came from. A ray that hit nothing is repeated.
+pub fn bounce_rays(lane: u32, params: &PathParams, rays: &[Ray], hits: &[Hit], triangles: &[UVec4], bounced: &mut Ray) {
+    let ray = rays[lane as usize];
+    let hit = hits[lane as usize];
+    *bounced = if hit.is_some() {
+        let numbers = SampleStream::new(params.sampler, params.seed, lane, 0);
+        let point = surface_point(triangles, &ray, &hit);
+        let direction = sample_cosine_hemisphere(point.normal, numbers.pair(BSDF));
+        Ray::new(point.offset_towards(direction), direction)
+    } else {
+        ray
+    };
+}
+
+/// Kernel: the segment from what ray `lane` hit to a point on a light. A ray that hit nothing is repeated.
+pub fn shadow_rays(
+    lane: u32,
+    params: &PathParams,
+    rays: &[Ray],
+    hits: &[Hit],
+    triangles: &[UVec4],
+    lights: &[Light],
+    shadow: &mut Ray,
+) {
+    let ray = rays[lane as usize];
+    let hit = hits[lane as usize];
+    *shadow = if hit.is_some() && params.lights > 0 {
+        let numbers = SampleStream::new(params.sampler, params.seed, lane, 0);
+        let lights = LightView::new(lights, params.lights);
+        let light = lights.sample(lights.choose(numbers.pair(CHOICES)[0]), numbers.pair(LIGHT_POINT));
+        let point = surface_point(triangles, &ray, &hit);
+        let from = point.offset_towards(light.position - point.position);
+        Ray::segment(from, light.position - from, 0.9999)
+    } else {
+        ray
+    };
+}
+
+/// Kernel: the nearest hit of ray `lane`.
+pub fn closest_hits(lane: u32, _: &ProbeParams, rays: &[Ray], nodes: &[UVec4], triangles: &[UVec4], hit: &mut Hit) {
+    *hit = BvhView::new(nodes, triangles).closest_hit(&rays[lane as usize]);
+}
+
+/// Kernel: 1 if ray `lane` hits anything, else 0.
+pub fn any_hits(lane: u32, _: &ProbeParams, rays: &[Ray], nodes: &[UVec4], triangles: &[UVec4], occluded: &mut u32) {
+    *occluded = BvhView::new(nodes, triangles).is_occluded(&rays[lane as usize]) as u32;
+}
+
+fn surface_point(triangles: &[UVec4], ray: &Ray, hit: &Hit) -> SurfacePoint {
+    let triangle = crate::triangle::TriangleView::new(triangles).get(hit.triangle);
+    let normal = triangle.normal();
+    SurfacePoint {
+        position: triangle.point(hit.u, hit.v),
+        normal: if ray.direction.dot(normal) > 0.0 { -normal } else { normal },
+        magnitude: triangle.magnitude(),
+    }
+}

@@ -1,0 +1,22 @@
+//! A scene on the device, as one view.
+
+use crate::bvh::BvhView;
+use crate::light::LightView;
+use crate::material::Material;
+use crate::surface::Attributes;
+use crate::texture::TextureView;
+
+/// Everything that a path may look at.
+#[derive(Clone, Copy)]
+pub struct SceneView<'a> {
+    /// The geometry.
+    pub bvh: BvhView<'a>,
+    /// Corner normals and texture coordinates of the triangles that have any.
+    pub attributes: &'a [Attributes],
+    /// The materials.
+    pub materials: &'a [Material],
+    /// The emissive triangles.
+    pub lights: LightView<'a>,
+    /// The textures.
+    pub textures: TextureView<'a>,
+}

@@ -1,0 +1,106 @@
+//! Triangles as the traversal reads them: three `uvec4`s each, in the order of the BVH's leaves.
+//!
+//!     corner 0 xyz, material | edge to corner 1 xyz, attributes | edge to corner 2 xyz, unused
+//!
+//! The words are bits of f32 where they are lengths. They travel as integers because a small integer, read as
+//! a float, is a denormal, which a GPU may flush to zero.
+
+use crate::glam::{UVec4, Vec3};
+
+/// `uvec4`s of one triangle.
+pub const ROWS_PER_TRIANGLE: u32 = 3;
+/// The attribute index of a triangle without normals and texture coordinates.
+pub const NO_ATTRIBUTES: u32 = u32::MAX;
+
+/// One triangle.
+#[cfg_attr(not(target_arch = "spirv"), derive(Debug, PartialEq))]
+#[derive(Clone, Copy)]
+pub struct Triangle {
+    /// First corner, in world units.
+    pub corner: Vec3,
+    /// From the first corner to the second.
+    pub edge1: Vec3,
+    /// From the first corner to the third.
+    pub edge2: Vec3,
+    /// Index into the materials.
+    pub material: u32,
+    /// Index into the attributes, or [`NO_ATTRIBUTES`].
+    pub attributes: u32,
+}
+
+/// The triangles of a scene.
+#[derive(Clone, Copy)]
+pub struct TriangleView<'a> {
+    rows: &'a [UVec4],
+}
+
+impl<'a> TriangleView<'a> {
+    /// Wraps the buffer.
+    pub fn new(rows: &'a [UVec4]) -> Self {
+        Self { rows }
+    }
+
+    /// The triangle number `index`, in the order of the BVH.
+    pub fn get(&self, index: u32) -> Triangle {
+        let first = (index * ROWS_PER_TRIANGLE) as usize;
+        Triangle::from_rows([self.rows[first], self.rows[first + 1], self.rows[first + 2]])
+    }
+}
+
+impl Triangle {
+    /// Unpacks the three rows.
+    pub fn from_rows(rows: [UVec4; 3]) -> Self {
+        Self {
+            corner: length(rows[0]),
+            edge1: length(rows[1]),
+            edge2: length(rows[2]),
+            material: rows[0].w,
+            attributes: rows[1].w,
+        }
+    }
+
+    /// The three rows of the buffer.
+    pub fn to_rows(&self) -> [UVec4; 3] {
+        let row = |v: Vec3, w| UVec4::new(v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w);
+        [row(self.corner, self.material), row(self.edge1, self.attributes), row(self.edge2, 0)]
+    }
+
+    /// Where the line `origin + t * direction` meets the triangle's plane, as `(t, u, v)`; outside the
+    /// triangle `t` is negative. Both sides count.
+    ///
+    /// Moller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997. No
+    /// threshold on the determinant: a line in the plane gives infinities or NaN, which fail every comparison.
+    #[inline(always)]
+    pub fn intersect(&self, origin: Vec3, direction: Vec3) -> (f32, f32, f32) {
+        let p = direction.cross(self.edge2);
+        let inverse_determinant = 1.0 / self.edge1.dot(p);
+        let s = origin - self.corner;
+        let u = s.dot(p) * inverse_determinant;
+        let q = s.cross(self.edge1);
+        let v = direction.dot(q) * inverse_determinant;
+        let t = self.edge2.dot(q) * inverse_determinant;
+        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
+        (if inside { t } else { -1.0 }, u, v)
+    }
+
+    /// Unit normal of the front, the side from which the corners run counter-clockwise.
+    pub fn normal(&self) -> Vec3 {
+        // Scaled first: the squares of very small edges' products underflow.
+        let scale = self.edge1.abs().max(self.edge2.abs()).max_element();
+        (self.edge1 / scale).cross(self.edge2 / scale).normalize()
+    }
+
+    /// The point of barycentric coordinates `(u, v)`.
+    pub fn point(&self, u: f32, v: f32) -> Vec3 {
+        self.corner + self.edge1 * u + self.edge2 * v
+    }
+
+    /// The largest coordinate that enters [`Self::point`]: what its rounding error is relative to.
+    pub fn magnitude(&self) -> f32 {
+        (self.corner.abs() + self.edge1.abs() + self.edge2.abs()).max_element()
+    }
+}
+
+fn length(row: UVec4) -> Vec3 {
+    Vec3::new(f32::from_bits(row.x), f32::from_bits(row.y), f32::from_bits(row.z))
+}
