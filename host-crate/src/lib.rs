@@ -5,6 +5,8 @@
 //! [`raystream_shaders`].
 #![deny(missing_docs)]
 
+pub mod exec;
 pub mod film;
 pub mod image;
+pub mod render;
 pub mod scene;

@@ -20,7 +20,7 @@ use crate::triangle::TriangleView;
 pub const ROWS_PER_NODE: u32 = 5;
 /// Deepest hierarchy that can be traversed, in nodes on one path from the root: each of them leaves at most one
 /// group on the stack. Whoever builds a [`BvhView`]'s buffer checks it.
-pub const MAX_DEPTH: u32 = 24;
+pub const MAX_DEPTH: u32 = 32;
 
 /// A node group's bits of children still to visit.
 const PENDING: u32 = 0xff00_0000;

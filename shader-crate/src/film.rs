@@ -116,3 +116,28 @@ pub fn accumulate_runs(
     *film = radiance;
     *features = first_hit;
 }
+
+device_struct! {
+    /// The parameters of a count of rays. 16 bytes.
+    pub struct CountParams {
+        /// Partial sums.
+        pub threads: u32,
+        /// Pixels of the film that is bound.
+        pub pixels: u32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+    }
+}
+
+/// Kernel: the rays of every `threads`-th pixel, from pixel `lane` on.
+pub fn count_rays(lane: u32, params: &CountParams, film: &[FilmPixel], rays: &mut u32) {
+    let mut sum = 0_u32;
+    let mut pixel = lane;
+    while pixel < params.pixels {
+        sum = sum.wrapping_add(film[pixel as usize].rays);
+        pixel += params.threads;
+    }
+    *rays = sum;
+}

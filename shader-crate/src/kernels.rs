@@ -45,6 +45,12 @@ macro_rules! for_each_kernel {
                 write 2 film: $crate::film::FilmPixel,
                 write 3 features: $crate::film::FeaturePixel,
             }
+            /// Counts the rays that the film's samples took.
+            count_rays[64] = $crate::film::count_rays {
+                uniform 0 parameters: $crate::film::CountParams,
+                read 1 film: $crate::film::FilmPixel,
+                write 2 rays: u32,
+            }
             /// Makes the rays through pixel centres.
             primary_rays[64] = $crate::probe::primary_rays {
                 uniform 0 parameters: $crate::path::PathParams,

@@ -8,7 +8,7 @@ device_struct! {
     pub struct Light {
         /// First corner, in world units.
         pub corner: Vec3,
-        /// The column stands for its own light if the upper 24 bits of a random number are below this, out of 2^24.
+        /// The column stands for its own light if a random number of 24 bits is below this (at most 2^24).
         pub threshold: u32,
         /// From the first corner to the second.
         pub edge1: Vec3,
@@ -68,13 +68,11 @@ impl<'a> LightView<'a> {
         self.count == 0
     }
 
-    /// A light, chosen by power with the number `u` in [0, 1): Walker's alias method in integers, exact to 2^-24.
-    pub fn choose(&self, u: f32) -> u32 {
-        let scaled = u * self.count as f32;
-        let column = (scaled as u32).min(self.count - 1);
-        let rest = ((scaled - column as f32) * 16_777_216.0) as u32;
+    /// A light, chosen by power with 32 random `bits`: Walker's alias method in integers.
+    pub fn choose(&self, bits: u32) -> u32 {
+        let (column, fraction) = widening_mul(bits, self.count);
         let light = &self.lights[column as usize];
-        if rest < light.threshold { column } else { light.alias }
+        if fraction >> 8 < light.threshold { column } else { light.alias }
     }
 
     /// A uniform point of the light number `index`, from a uniform point of the unit square.
@@ -95,6 +93,29 @@ impl<'a> LightView<'a> {
             normal: (light.edge1 / scale).cross(light.edge2 / scale).normalize(),
             radiance: light.radiance,
             pdf: light.pdf,
+        }
+    }
+}
+
+/// Upper and lower half of the 64-bit product, made of 16-bit ones: not every GPU has wider integers.
+fn widening_mul(a: u32, b: u32) -> (u32, u32) {
+    let low = (a & 0xffff) * (b & 0xffff);
+    let middle = (a >> 16) * (b & 0xffff) + (low >> 16);
+    let other = (a & 0xffff) * (b >> 16) + (middle & 0xffff);
+    ((a >> 16) * (b >> 16) + (middle >> 16) + (other >> 16), other << 16 | low & 0xffff)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::widening_mul;
+
+    #[test]
+    fn the_product_is_that_of_64_bits() {
+        for a in [0, 1, 0xffff, 0x1_0000, 0x8000_0001, 0xdead_beef, u32::MAX] {
+            for b in [0, 1, 3, 0xffff, 0x1_0001, 0x7fff_ffff, u32::MAX] {
+                let product = u64::from(a) * u64::from(b);
+                assert_eq!(widening_mul(a, b), ((product >> 32) as u32, product as u32), "{a} * {b}");
+            }
         }
     }
 }

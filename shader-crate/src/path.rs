@@ -15,7 +15,7 @@ use crate::material::{
 };
 use crate::math::power_heuristic;
 use crate::ray::{Ray, SurfacePoint};
-use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, PIXEL, SampleStream};
+use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, PIXEL, SampleStream, of_vertex, unit_float};
 use crate::scene::SceneView;
 use crate::stream::Slot;
 use crate::surface::{Attributes, Surface};
@@ -158,17 +158,18 @@ impl Path {
             return false;
         }
         let vertex = depth - 1;
-        let choices = numbers.vertex_pair(vertex, CHOICES);
+        let [choice, roulette] = numbers.bits(of_vertex(vertex, CHOICES));
         if surface.material.kind == DIFFUSE && params.techniques != BSDF_SAMPLING_ALONE && !scene.lights.is_empty() {
-            let point = numbers.vertex_pair(vertex, LIGHT_POINT);
-            self.sample_light(params, scene, &surface, choices[0], point);
+            let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
+            self.sample_light(params, scene, &surface, choice, point);
         }
-        let sample = sample_bsdf(&surface, self.ray.direction, numbers.vertex_pair(vertex, BSDF), choices[0]);
+        let sample =
+            sample_bsdf(&surface, self.ray.direction, numbers.pair(of_vertex(vertex, BSDF)), unit_float(choice));
         self.throughput *= sample.weight;
         self.pdf = sample.pdf;
         if depth >= params.roulette_depth {
             let survival = self.throughput.max_element().min(0.95);
-            if choices[1] >= survival {
+            if unit_float(roulette) >= survival {
                 return false;
             }
             self.throughput /= survival;
@@ -199,7 +200,7 @@ impl Path {
         params: &PathParams,
         scene: &SceneView<'_>,
         surface: &Surface,
-        choice: f32,
+        choice: u32,
         point: [f32; 2],
     ) {
         let light = scene.lights.sample(scene.lights.choose(choice), point);

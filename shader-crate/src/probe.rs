@@ -61,7 +61,7 @@ pub fn shadow_rays(
     *shadow = if hit.is_some() && params.lights > 0 {
         let numbers = SampleStream::new(params.sampler, params.seed, lane, 0);
         let lights = LightView::new(lights, params.lights);
-        let light = lights.sample(lights.choose(numbers.pair(CHOICES)[0]), numbers.pair(LIGHT_POINT));
+        let light = lights.sample(lights.choose(numbers.bits(CHOICES)[0]), numbers.pair(LIGHT_POINT));
         let point = surface_point(triangles, &ray, &hit);
         let from = point.offset_towards(light.position - point.position);
         Ray::segment(from, light.position - from, 0.9999)

@@ -9,6 +9,11 @@
 pub const DIMENSIONS_PER_VERTEX: u32 = 3;
 /// Dimension of the point inside the pixel.
 pub const PIXEL: u32 = 0;
+/// The dimension `dimension` of the path's vertex number `vertex`, counted from 0 at the first surface.
+pub fn of_vertex(vertex: u32, dimension: u32) -> u32 {
+    vertex * DIMENSIONS_PER_VERTEX + dimension
+}
+
 /// Dimension of a vertex that picks the direction.
 pub const BSDF: u32 = 1;
 /// Dimension of a vertex that picks the point on the light.
@@ -38,17 +43,17 @@ impl SampleStream {
 
     /// Two numbers in [0, 1), uniform over the unit square.
     pub fn pair(&self, dimension: u32) -> [f32; 2] {
-        let bits = if self.kind == INDEPENDENT {
-            pcg3(self.pixel_seed, self.index, dimension)
-        } else {
-            scrambled_sobol(self.index, hash(self.pixel_seed ^ dimension.wrapping_mul(0x9e37_79b9)))
-        };
+        let bits = self.bits(dimension);
         [unit_float(bits[0]), unit_float(bits[1])]
     }
 
-    /// [`Self::pair`] of a dimension of the path's vertex number `vertex`, counted from 0 at the first surface.
-    pub fn vertex_pair(&self, vertex: u32, dimension: u32) -> [f32; 2] {
-        self.pair(vertex * DIMENSIONS_PER_VERTEX + dimension)
+    /// [`Self::pair`] as integers, uniform over all of u32: for choices among many.
+    pub fn bits(&self, dimension: u32) -> [u32; 2] {
+        if self.kind == INDEPENDENT {
+            pcg3(self.pixel_seed, self.index, dimension)
+        } else {
+            scrambled_sobol(self.index, hash(self.pixel_seed ^ dimension.wrapping_mul(0x9e37_79b9)))
+        }
     }
 }
 

@@ -1,0 +1,66 @@
+//! Buffers that know what they hold.
+
+use super::{ExecError, Executor, View};
+use bytemuck::Pod;
+use std::marker::PhantomData;
+use std::ops::Range;
+
+/// `len` elements of `T` in the memory of a device.
+pub struct Array<B, T> {
+    buffer: B,
+    len: usize,
+    element: PhantomData<T>,
+}
+
+impl<B, T: Pod> Array<B, T> {
+    /// `len` elements of zero bytes. `label` names the array in errors.
+    pub fn zeroed<E: Executor<Buffer = B>>(executor: &E, label: &'static str, len: usize) -> Result<Self, ExecError> {
+        // An empty binding is not allowed, so an empty array holds one element that nobody reads.
+        let bytes = (len.max(1) * size_of::<T>()) as u64;
+        Ok(Self { buffer: executor.allocate(label, bytes)?, len, element: PhantomData })
+    }
+
+    /// A copy of `elements`.
+    pub fn from_slice<E: Executor<Buffer = B>>(
+        executor: &E,
+        label: &'static str,
+        elements: &[T],
+    ) -> Result<Self, ExecError> {
+        let array = Self::zeroed(executor, label, elements.len())?;
+        executor.write(&array.buffer, 0, bytemuck::cast_slice(elements))?;
+        Ok(array)
+    }
+
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// All of it, for a kernel.
+    pub fn view(&self) -> View<'_, B> {
+        self.slice(0..self.len.max(1))
+    }
+
+    /// The elements of `range`, for a kernel. The first byte must be a multiple of the device's alignment.
+    pub fn slice(&self, range: Range<usize>) -> View<'_, B> {
+        let size = size_of::<T>() as u64;
+        View { buffer: &self.buffer, first_byte: range.start as u64 * size, bytes: range.len() as u64 * size }
+    }
+
+    /// Copies all of it to the host.
+    pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<T>, ExecError> {
+        self.read_range(executor, 0..self.len)
+    }
+
+    /// Copies the elements of `range` to the host.
+    pub fn read_range<E: Executor<Buffer = B>>(&self, executor: &E, range: Range<usize>) -> Result<Vec<T>, ExecError> {
+        let size = size_of::<T>() as u64;
+        let bytes = executor.read(&self.buffer, range.start as u64 * size, range.len() as u64 * size)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+}

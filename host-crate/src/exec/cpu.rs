@@ -1,0 +1,84 @@
+//! The executor that runs kernels on the CPU, through rayon.
+
+use super::native::{NativeArguments, NativeBinding};
+use super::{Access, ExecError, Executor, Launch, Limits};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::time::{Duration, Instant};
+
+/// Runs kernels on all the processor's cores.
+#[derive(Default)]
+pub struct CpuExecutor;
+
+/// Memory aligned for every type that crosses to a kernel.
+pub struct CpuBuffer {
+    blocks: RwLock<Vec<u128>>,
+}
+
+/// A buffer held for the time of a launch.
+enum Lock<'a> {
+    Read(RwLockReadGuard<'a, Vec<u128>>),
+    Write(RwLockWriteGuard<'a, Vec<u128>>),
+}
+
+impl Executor for CpuExecutor {
+    type Buffer = CpuBuffer;
+
+    fn limits(&self) -> Limits {
+        Limits { buffer_bytes: isize::MAX as u64, alignment: 16 }
+    }
+
+    fn allocate(&self, label: &'static str, bytes: u64) -> Result<CpuBuffer, ExecError> {
+        let len = bytes.div_ceil(size_of::<u128>() as u64) as usize;
+        let mut blocks = Vec::new();
+        blocks.try_reserve_exact(len).map_err(|_| ExecError::OutOfMemory { device: "the CPU".into(), label, bytes })?;
+        blocks.resize(len, 0);
+        Ok(CpuBuffer { blocks: RwLock::new(blocks) })
+    }
+
+    fn write(&self, buffer: &CpuBuffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
+        let mut blocks = buffer.blocks.write().unwrap_or_else(PoisonError::into_inner);
+        bytemuck::cast_slice_mut(&mut blocks)[first_byte as usize..][..bytes.len()].copy_from_slice(bytes);
+        Ok(())
+    }
+
+    fn read(&self, buffer: &CpuBuffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
+        let blocks = buffer.blocks.read().unwrap_or_else(PoisonError::into_inner);
+        Ok(bytemuck::cast_slice(&blocks)[first_byte as usize..][..bytes as usize].to_vec())
+    }
+
+    fn run(&self, launches: &[Launch<'_, CpuBuffer>]) -> Result<Vec<Duration>, ExecError> {
+        Ok(launches.iter().map(run_one).collect())
+    }
+}
+
+fn run_one(launch: &Launch<'_, CpuBuffer>) -> Duration {
+    let start = Instant::now();
+    let storage = &launch.kernel.bindings[1..];
+    // Locked before any is borrowed: a buffer bound twice, once for writing, is a bug that panics here rather than
+    // hanging.
+    let mut locks: Vec<Lock<'_>> = storage
+        .iter()
+        .zip(&launch.views)
+        .map(|(binding, view)| {
+            let lock = &view.buffer.blocks;
+            let held = "a buffer is bound twice to one launch, once for writing";
+            match binding.access {
+                Access::Write => Lock::Write(lock.try_write().expect(held)),
+                Access::Read | Access::Uniform => Lock::Read(lock.try_read().expect(held)),
+            }
+        })
+        .collect();
+    let views = locks
+        .iter_mut()
+        .zip(&launch.views)
+        .map(|(lock, view)| {
+            let range = view.first_byte as usize..(view.first_byte + view.bytes) as usize;
+            match lock {
+                Lock::Read(blocks) => NativeBinding::Read(&bytemuck::cast_slice(blocks.as_slice())[range]),
+                Lock::Write(blocks) => NativeBinding::Write(&mut bytemuck::cast_slice_mut(blocks)[range]),
+            }
+        })
+        .collect();
+    (launch.kernel.native)(NativeArguments { parameters: &launch.parameters, views });
+    start.elapsed()
+}

@@ -1,0 +1,177 @@
+//! Which devices there are, and the choice of one.
+
+use super::ExecError;
+use super::cpu::CpuExecutor;
+use super::gpu::{GpuExecutor, ShaderPath};
+
+/// Storage buffers that a kernel may bind, at most: the number that every implementation of WebGPU grants.
+pub const STORAGE_BUFFERS: u32 = 8;
+
+/// A device, open for rendering.
+pub enum Device {
+    /// All cores of the processor.
+    Cpu(CpuExecutor),
+    /// A GPU, or a software implementation of one.
+    Gpu(Box<GpuExecutor>),
+}
+
+impl Device {
+    /// What to call it.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Cpu(_) => cpu_name(),
+            Self::Gpu(gpu) => gpu.name().to_owned(),
+        }
+    }
+}
+
+/// How devices are opened.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OpenOptions {
+    /// Have naga translate the kernels, also where the driver takes SPIR-V.
+    pub naga: bool,
+    /// Run under the driver's validation layers (Vulkan) or debug layer (DirectX); their messages are logged.
+    pub validation: bool,
+}
+
+/// Looks for GPUs.
+pub struct Devices {
+    adapters: Vec<wgpu::Adapter>,
+    options: OpenOptions,
+}
+
+/// What `raystream devices` says of a device.
+#[derive(Clone, Debug)]
+pub struct DeviceInfo {
+    /// The name that `--device` takes.
+    pub name: String,
+    /// What kind of device it is.
+    pub kind: &'static str,
+    /// Driver and its version; for the CPU, its threads.
+    pub driver: String,
+    /// How the kernels reach it.
+    pub kernels: &'static str,
+    /// Largest buffer that a kernel can be given, in bytes.
+    pub buffer_bytes: u64,
+    /// Why it cannot be used, if so.
+    pub unsuitable: Option<String>,
+}
+
+impl Devices {
+    /// All GPUs that the system's drivers offer, real ones first.
+    pub fn enumerate(options: OpenOptions) -> Self {
+        let flags = if options.validation {
+            wgpu::InstanceFlags::VALIDATION | wgpu::InstanceFlags::DEBUG
+        } else {
+            wgpu::InstanceFlags::empty()
+        };
+        let backends = wgpu::Backends::PRIMARY;
+        let descriptor =
+            wgpu::InstanceDescriptor { backends, flags, ..wgpu::InstanceDescriptor::new_without_display_handle() };
+        let mut adapters = pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(backends));
+        adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu => 2,
+            wgpu::DeviceType::Other => 3,
+            wgpu::DeviceType::Cpu => 4,
+        });
+        Self { adapters, options }
+    }
+
+    /// Every device, the CPU last.
+    pub fn list(&self) -> Vec<DeviceInfo> {
+        let gpus = self.adapters.iter().map(|adapter| {
+            let info = adapter.get_info();
+            let limits = adapter.limits();
+            DeviceInfo {
+                name: info.name,
+                kind: match info.device_type {
+                    wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+                    wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+                    wgpu::DeviceType::VirtualGpu => "virtual GPU",
+                    wgpu::DeviceType::Cpu => "software GPU",
+                    wgpu::DeviceType::Other => "other GPU",
+                },
+                driver: format!("{} {} {}", info.backend, info.driver, info.driver_info).trim_end().to_owned(),
+                kernels: match self.shader_path(adapter) {
+                    ShaderPath::Passthrough => "SPIR-V",
+                    ShaderPath::Naga => "through naga",
+                },
+                buffer_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+                unsuitable: unsuitable(adapter),
+            }
+        });
+        let cpu = DeviceInfo {
+            name: "cpu".into(),
+            kind: "CPU",
+            driver: cpu_name(),
+            kernels: "native",
+            buffer_bytes: isize::MAX as u64,
+            unsuitable: None,
+        };
+        gpus.chain([cpu]).collect()
+    }
+
+    /// Opens the device that `selection` names: `cpu`; `gpu`, the best GPU, a software one if there is no other; `auto`, the best
+    /// real GPU, else the CPU; or a part of a device's name, whatever the case.
+    pub fn open(&self, selection: &str) -> Result<Device, ExecError> {
+        let is_real = |adapter: &&wgpu::Adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu;
+        let is_suitable = |adapter: &&wgpu::Adapter| unsuitable(adapter).is_none();
+        match selection {
+            "cpu" => Ok(Device::Cpu(CpuExecutor)),
+            "auto" => match self.adapters.iter().filter(is_real).find(is_suitable) {
+                Some(adapter) => self.open_adapter(adapter).or_else(|error| {
+                    tracing::warn!("{error}");
+                    Ok(Device::Cpu(CpuExecutor))
+                }),
+                None => Ok(Device::Cpu(CpuExecutor)),
+            },
+            "gpu" => match self.adapters.iter().find(is_suitable) {
+                Some(adapter) => self.open_adapter(adapter),
+                None => Err(ExecError::NoGpu),
+            },
+            name => {
+                let wanted = name.to_lowercase();
+                let found =
+                    self.adapters.iter().find(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted));
+                match found {
+                    Some(adapter) => self.open_adapter(adapter),
+                    None => Err(ExecError::NoSuchDevice {
+                        name: name.into(),
+                        known: self.list().into_iter().map(|info| info.name).collect::<Vec<_>>().join(", "),
+                    }),
+                }
+            }
+        }
+    }
+
+    fn open_adapter(&self, adapter: &wgpu::Adapter) -> Result<Device, ExecError> {
+        if let Some(reason) = unsuitable(adapter) {
+            return Err(ExecError::Unsuitable { device: adapter.get_info().name, reason });
+        }
+        Ok(Device::Gpu(Box::new(GpuExecutor::new(adapter, self.shader_path(adapter))?)))
+    }
+
+    fn shader_path(&self, adapter: &wgpu::Adapter) -> ShaderPath {
+        let takes_spirv = adapter.get_info().backend == wgpu::Backend::Vulkan
+            && adapter.features().contains(wgpu::Features::PASSTHROUGH_SHADERS);
+        if takes_spirv && !self.options.naga { ShaderPath::Passthrough } else { ShaderPath::Naga }
+    }
+}
+
+fn unsuitable(adapter: &wgpu::Adapter) -> Option<String> {
+    let limits = adapter.limits();
+    if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+        return Some(format!(
+            "a kernel can bind {} storage buffers there and needs {STORAGE_BUFFERS}",
+            limits.max_storage_buffers_per_shader_stage
+        ));
+    }
+    let downlevel = adapter.get_downlevel_capabilities();
+    (!downlevel.flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)).then(|| "it has no compute shaders".to_owned())
+}
+
+fn cpu_name() -> String {
+    format!("CPU, {} threads", rayon::current_num_threads())
+}

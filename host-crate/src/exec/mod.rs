@@ -1,0 +1,135 @@
+//! Running kernels on a device.
+//!
+//! [`kernels`] is the table of what can be run. An [`Executor`] owns buffers and runs launches of kernels over them: [`cpu`] calls
+//! the native functions through rayon, [`gpu`] the SPIR-V entry points through wgpu. Everything above this module
+//! is generic over the trait and exists once.
+
+pub mod array;
+pub mod cpu;
+pub mod device;
+pub mod gpu;
+pub mod kernels;
+mod native;
+
+use std::time::Duration;
+
+pub use array::Array;
+pub use kernels::{Access, Binding, Kernel};
+
+/// Runs kernels over buffers that it owns.
+pub trait Executor {
+    /// A piece of the device's memory.
+    type Buffer;
+
+    /// What may be asked of the device.
+    fn limits(&self) -> Limits;
+
+    /// A new buffer of `bytes` (at least 1), zeroed. `label` names it in errors.
+    fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError>;
+
+    /// Copies `bytes` into `buffer` from `first_byte` on; both multiples of 4.
+    fn write(&self, buffer: &Self::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError>;
+
+    /// Copies `bytes` bytes from `buffer` from `first_byte` on; both multiples of 4.
+    fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError>;
+
+    /// Runs `launches` one after the other, each seeing what those before it wrote, and waits for them. Returns
+    /// how long each took: the device's own clock where it has one.
+    fn run(&self, launches: &[Launch<'_, Self::Buffer>]) -> Result<Vec<Duration>, ExecError>;
+}
+
+/// What may be asked of a device.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Largest buffer, and largest part of one that a kernel can be given, in bytes.
+    pub buffer_bytes: u64,
+    /// What the first byte of a part must be a multiple of.
+    pub alignment: u64,
+}
+
+/// A part of a buffer, as a kernel is given it.
+pub struct View<'a, B> {
+    buffer: &'a B,
+    first_byte: u64,
+    bytes: u64,
+}
+
+/// One run of a kernel.
+pub struct Launch<'a, B> {
+    kernel: &'static Kernel,
+    parameters: Vec<u8>,
+    views: Vec<View<'a, B>>,
+}
+
+impl<'a, B> Launch<'a, B> {
+    /// The run of `kernel` with its `parameters` and, in the order of the table, its other bindings.
+    ///
+    /// Every parameter block begins with the number of threads, as u32.
+    ///
+    /// # Panics
+    /// If the number of views is not that of the table.
+    pub fn new(kernel: &'static Kernel, parameters: &impl bytemuck::NoUninit, views: Vec<View<'a, B>>) -> Self {
+        assert_eq!(views.len() + 1, kernel.bindings.len(), "bindings of {}", kernel.name);
+        Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views }
+    }
+
+    fn threads(&self) -> u32 {
+        bytemuck::pod_read_unaligned(&self.parameters[..4])
+    }
+}
+
+/// What can go wrong on a device.
+#[derive(Debug, thiserror::Error)]
+pub enum ExecError {
+    /// A name that fits no device.
+    #[error("no device matches '{name}'; there are: {known} (`raystream devices` lists them)")]
+    NoSuchDevice {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// Asked for a GPU where there is none.
+    #[error("there is no GPU that Vulkan, Metal or DirectX 12 can use; install its driver or use --device cpu")]
+    NoGpu,
+    /// The device lacks something that the kernels need.
+    #[error("{device} cannot run the kernels: {reason}; use --device cpu")]
+    Unsuitable {
+        /// The device.
+        device: String,
+        /// What it lacks.
+        reason: String,
+    },
+    /// A buffer does not fit.
+    #[error(
+        "{device} has no room for {bytes} bytes of {label}; use a smaller picture or scene, close other programs, or use --device cpu"
+    )]
+    OutOfMemory {
+        /// The device.
+        device: String,
+        /// What the buffer is for.
+        label: &'static str,
+        /// Its size.
+        bytes: u64,
+    },
+    /// A buffer is larger than a kernel can be given.
+    #[error("{device} gives a kernel at most {limit} bytes at once, but {label} takes {bytes}; use --device cpu")]
+    TooLarge {
+        /// The device.
+        device: String,
+        /// What the buffer is for.
+        label: &'static str,
+        /// Its size.
+        bytes: u64,
+        /// The device's limit.
+        limit: u64,
+    },
+    /// The driver reported an error or lost the device.
+    #[error("{device} failed: {message}; update its driver or use --device cpu")]
+    Device {
+        /// The device.
+        device: String,
+        /// What the driver said.
+        message: String,
+    },
+}

@@ -1,0 +1,47 @@
+//! What a kernel's native function is given.
+
+use bytemuck::{AnyBitPattern, Pod};
+
+/// The bindings of one launch on the CPU.
+pub struct NativeArguments<'a> {
+    /// The parameter block.
+    pub parameters: &'a [u8],
+    /// The other bindings, in the order of the table.
+    pub views: Vec<NativeBinding<'a>>,
+}
+
+impl NativeArguments<'_> {
+    /// The parameter block as the struct that it holds.
+    pub fn parameters<T: AnyBitPattern>(&self) -> T {
+        bytemuck::pod_read_unaligned(self.parameters)
+    }
+}
+
+/// A part of a buffer, locked for the time of the launch.
+pub enum NativeBinding<'a> {
+    /// Shared with others.
+    Read(&'a [u8]),
+    /// This launch's own.
+    Write(&'a mut [u8]),
+}
+
+impl<'a> NativeBinding<'a> {
+    /// The elements of a binding of access [`Read`](super::Access::Read).
+    pub fn into_slice<T: Pod>(self) -> &'a [T] {
+        match self {
+            Self::Read(bytes) => bytemuck::cast_slice(bytes),
+            Self::Write(bytes) => bytemuck::cast_slice(bytes),
+        }
+    }
+
+    /// The elements of a binding of access [`Write`](super::Access::Write).
+    ///
+    /// # Panics
+    /// If the executor locked it for reading: a bug in the executor.
+    pub fn into_slice_mut<T: Pod>(self) -> &'a mut [T] {
+        match self {
+            Self::Write(bytes) => bytemuck::cast_slice_mut(bytes),
+            Self::Read(_) => unreachable!("written binding locked for reading"),
+        }
+    }
+}

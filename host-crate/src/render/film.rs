@@ -1,0 +1,84 @@
+//! The film in a device's memory.
+
+use crate::exec::{Array, ExecError, Executor};
+use crate::film::Film;
+use crate::scene::FilmSize;
+use bytemuck::Zeroable;
+use raystream_shaders::film::{FeaturePixel, FilmPixel};
+use raystream_shaders::tiles::{TILE, rank_of_pixel};
+use std::ops::Range;
+
+/// Windows of the film start at multiples of this: its bytes are then a multiple of any device's alignment.
+pub const WINDOW_ALIGNMENT: u32 = TILE * TILE;
+
+/// The film, in rank order, cut into as many bands as the device's limit on buffers asks for.
+pub struct FilmBuffers<B> {
+    size: FilmSize,
+    bands: Vec<Band<B>>,
+}
+
+/// A range of ranks.
+pub struct Band<B> {
+    /// Rank of the first pixel.
+    pub first_rank: u32,
+    /// Radiance.
+    pub film: Array<B, FilmPixel>,
+    /// First-hit features.
+    pub features: Array<B, FeaturePixel>,
+}
+
+impl<B> FilmBuffers<B> {
+    /// A black film.
+    pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
+        let pixels = size.width * size.height;
+        let largest = size_of::<FilmPixel>().max(size_of::<FeaturePixel>()) as u64;
+        let fitting = (executor.limits().buffer_bytes / largest).min(u64::from(u32::MAX / 2)) as u32;
+        let band_pixels = (fitting / WINDOW_ALIGNMENT * WINDOW_ALIGNMENT).max(WINDOW_ALIGNMENT);
+        let bands = (0..pixels)
+            .step_by(band_pixels as usize)
+            .map(|first_rank| {
+                let len = band_pixels.min(pixels - first_rank) as usize;
+                Ok(Band {
+                    first_rank,
+                    film: Array::zeroed(executor, "the film", len)?,
+                    features: Array::zeroed(executor, "the film's features", len)?,
+                })
+            })
+            .collect::<Result<_, ExecError>>()?;
+        Ok(Self { size, bands })
+    }
+
+    /// The pieces.
+    pub fn bands(&self) -> &[Band<B>] {
+        &self.bands
+    }
+
+    /// Copies the film to the host, in rows.
+    pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Film, ExecError> {
+        let FilmSize { width, height } = self.size;
+        let mut by_rank = Vec::with_capacity((width * height) as usize);
+        for band in &self.bands {
+            let film = band.film.read(executor)?;
+            by_rank.extend(film.into_iter().zip(band.features.read(executor)?));
+        }
+        let mut radiance = vec![FilmPixel::zeroed(); by_rank.len()];
+        let mut features = vec![FeaturePixel::zeroed(); by_rank.len()];
+        for y in 0..height {
+            for x in 0..width {
+                let pixel = (y * width + x) as usize;
+                (radiance[pixel], features[pixel]) = by_rank[rank_of_pixel(x, y, width, height) as usize];
+            }
+        }
+        Ok(Film { width, height, radiance, features })
+    }
+}
+
+impl<B> Band<B> {
+    /// The window of at most `pixels` (rounded to [`WINDOW_ALIGNMENT`], at least that) that starts at `start`, as a range within the
+    /// band; none at its end.
+    pub fn window(&self, start: u32, pixels: u32) -> Option<Range<u32>> {
+        let len = self.film.len() as u32;
+        let step = (pixels / WINDOW_ALIGNMENT).max(1) * WINDOW_ALIGNMENT;
+        (start < len).then(|| start..len.min(start.saturating_add(step)))
+    }
+}

@@ -1,0 +1,97 @@
+//! The table of emissive triangles and their choice by power.
+
+use raystream_shaders::light::{Light, area_pdf, importance};
+use raystream_shaders::material::Material;
+use raystream_shaders::triangle::Triangle;
+
+/// The lights of a scene.
+pub struct Lights {
+    /// Emissive triangles, with the alias table that chooses among them.
+    pub table: Vec<Light>,
+    /// Sum of area times importance, in squared world units.
+    pub total_importance: f32,
+}
+
+/// Finds the emissive triangles and builds their alias table.
+pub fn build(triangles: &[Triangle], materials: &[Material]) -> Lights {
+    let emissive: Vec<(&Triangle, &Material)> = triangles
+        .iter()
+        .map(|t| (t, &materials[t.material as usize]))
+        .filter(|(_, material)| material.emits())
+        .collect();
+    let weights: Vec<f64> =
+        emissive.iter().map(|(t, material)| area(t) * f64::from(importance(material.emission))).collect();
+    let total_importance = weights.iter().sum::<f64>();
+    let columns = alias_table(&weights);
+    let table = emissive
+        .iter()
+        .zip(columns)
+        .map(|((triangle, material), (threshold, alias))| Light {
+            corner: triangle.corner,
+            threshold,
+            edge1: triangle.edge1,
+            alias,
+            edge2: triangle.edge2,
+            pdf: area_pdf(material.emission, total_importance as f32),
+            radiance: material.emission,
+            pad: 0,
+        })
+        .collect();
+    Lights { table, total_importance: total_importance as f32 }
+}
+
+fn area(triangle: &Triangle) -> f64 {
+    0.5 * triangle.edge1.as_dvec3().cross(triangle.edge2.as_dvec3()).length()
+}
+
+/// Columns (threshold out of 2^24, alias) that choose in proportion to `weights`: Vose, "A Linear Algorithm for Generating
+/// Random Numbers with a Given Distribution", IEEE TSE 17(9), 1991.
+fn alias_table(weights: &[f64]) -> Vec<(u32, u32)> {
+    const ONE: f64 = 16_777_216.0;
+    let total: f64 = weights.iter().sum();
+    let mut share: Vec<f64> = weights.iter().map(|w| w / total * weights.len() as f64).collect();
+    let mut columns: Vec<(u32, u32)> = (0..weights.len() as u32).map(|own| (ONE as u32, own)).collect();
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..share.len()).partition(|&i| share[i] < 1.0);
+    while let (Some(poor), Some(&rich)) = (small.pop(), large.last()) {
+        columns[poor] = ((share[poor] * ONE).round() as u32, rich as u32);
+        share[rich] -= 1.0 - share[poor];
+        if share[rich] < 1.0 {
+            large.pop();
+            small.push(rich);
+        }
+    }
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raystream_shaders::light::LightView;
+
+    #[test]
+    fn lights_are_chosen_in_proportion_to_their_weights() {
+        let weights = [1.0, 0.0, 5.0, 0.25, 3.0, 3.0, 1e-3];
+        let lights: Vec<Light> = alias_table(&weights)
+            .into_iter()
+            .map(|(threshold, alias)| Light { threshold, alias, ..Default::default() })
+            .collect();
+        let view = LightView::new(&lights, lights.len() as u32);
+        // A regular grid of 2^20 numbers, so that the counts are within the number of column ends of the exact ones.
+        let mut counts = [0_u32; 7];
+        for k in 0..1_u32 << 20 {
+            counts[view.choose(k << 12 | 0x800) as usize] += 1;
+        }
+        let total: f64 = weights.iter().sum();
+        for (&count, weight) in counts.iter().zip(weights) {
+            let expected = weight / total * f64::from(1 << 20);
+            assert!((f64::from(count) - expected).abs() <= 14.0, "{counts:?} for {weights:?}");
+        }
+    }
+
+    #[test]
+    fn no_lights_make_an_empty_table() {
+        let lights = build(&[], &[]);
+        assert!(lights.table.is_empty());
+        assert_eq!(lights.total_importance, 0.0);
+    }
+}

@@ -1,0 +1,22 @@
+//! From a scene and a device to a film.
+//!
+//! [`prepare`] turns a scene into the buffers that the kernels read; [`Renderer`] owns them, the film and the sample stream, and
+//! renders round by round; [`run`](run::run) is the loop with its stops (samples, time, interruption).
+
+pub mod allocator;
+mod batch;
+mod bvh;
+mod camera;
+mod film;
+pub mod integrator;
+mod lights;
+pub mod prepare;
+mod renderer;
+pub mod run;
+mod scene_buffers;
+
+pub use bvh::BvhQuality;
+pub use prepare::PreparedScene;
+pub use renderer::{Renderer, Settings, Techniques, Timings};
+pub use run::{Budget, Outcome, Progress, RenderError, run};
+pub use scene_buffers::SceneBuffers;

@@ -1,0 +1,112 @@
+//! The render loop and what stops it.
+
+use super::renderer::{Renderer, Timings};
+use crate::exec::{ExecError, Executor};
+use raystream_shaders::bvh::MAX_DEPTH;
+use std::time::{Duration, Instant};
+
+/// When to stop: at whichever comes first.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Budget {
+    /// Samples per pixel.
+    pub samples: Option<u32>,
+    /// Time, from the first sample on. A started round is finished.
+    pub time: Option<Duration>,
+}
+
+/// How far a render is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Paths traced.
+    pub paths: u64,
+    /// Paths that the budget's samples make, if it has any.
+    pub total_paths: Option<u64>,
+    /// Rays traced up to some recent moment, and the paths they belong to.
+    pub rays: u64,
+    /// Since the first sample.
+    pub elapsed: Duration,
+    /// The budget's time.
+    pub time: Option<Duration>,
+}
+
+/// How a render ended.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome {
+    /// Samples of every pixel.
+    pub samples: u32,
+    /// Rays traced.
+    pub rays: u64,
+    /// From the first sample to the last.
+    pub elapsed: Duration,
+    /// Where the time went.
+    pub timings: Timings,
+    /// Whether it was stopped before its budget was spent.
+    pub interrupted: bool,
+}
+
+/// What can go wrong in a render.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The device failed.
+    #[error(transparent)]
+    Exec(#[from] ExecError),
+    /// The BVH does not fit the traversal's stack.
+    #[error(
+        "the geometry nests {depth} levels deep and the traversal handles {MAX_DEPTH}: it has many triangles of sizes that differ by orders of magnitude in one place; scale or split them"
+    )]
+    TooDeep {
+        /// Nodes on the longest path.
+        depth: u32,
+    },
+}
+
+/// How often rays are counted.
+const RAY_COUNT_INTERVAL: Duration = Duration::from_secs(1);
+
+/// Renders rounds until `budget` is spent or `interrupted` says so (asked after every round). `observe` is told of every batch.
+///
+/// With neither samples nor time the render goes on until it is interrupted.
+pub fn run<E: Executor>(
+    renderer: &mut Renderer<'_, E>,
+    budget: Budget,
+    interrupted: &dyn Fn() -> bool,
+    observe: &mut dyn FnMut(&Progress),
+) -> Result<Outcome, RenderError> {
+    let start = Instant::now();
+    let pixels = u64::from(renderer.pixels());
+    let mut progress = Progress {
+        paths: 0,
+        total_paths: budget.samples.map(|samples| u64::from(samples) * pixels),
+        rays: 0,
+        elapsed: Duration::ZERO,
+        time: budget.time,
+    };
+    let mut samples = 0;
+    let mut timings = Timings::default();
+    let mut last_count = start;
+    let mut rays_per_path = 0.0;
+    let interrupted = loop {
+        let left = budget.samples.map_or(u32::MAX, |total| total - samples);
+        let spent = budget.time.is_some_and(|time| samples > 0 && start.elapsed() >= time);
+        if left == 0 || spent {
+            break false;
+        }
+        if interrupted() {
+            break true;
+        }
+        let round = renderer.samples_of_one_batch().min(left);
+        timings += renderer.round(round, &mut |paths| {
+            progress.paths += u64::from(paths);
+            progress.elapsed = start.elapsed();
+            progress.rays = (progress.paths as f64 * rays_per_path) as u64;
+            observe(&progress);
+        })?;
+        samples += round;
+        if last_count.elapsed() >= RAY_COUNT_INTERVAL || rays_per_path == 0.0 {
+            rays_per_path = renderer.rays()? as f64 / progress.paths as f64;
+            last_count = Instant::now();
+        }
+    };
+    let elapsed = start.elapsed();
+    Ok(Outcome { samples, rays: renderer.rays()?, elapsed, timings, interrupted })
+}
