@@ -5,6 +5,8 @@
 //! [`raystream_shaders`].
 #![deny(missing_docs)]
 
+pub mod bench;
+pub mod cli;
 pub mod exec;
 pub mod film;
 pub mod image;

@@ -1,1 +1,5 @@
-fn main() {}
+//! The `raystream` binary.
+
+fn main() -> std::process::ExitCode {
+    raystream::cli::main()
+}

@@ -1,0 +1,26 @@
+//! `raystream devices`
+
+use super::options::OpenArguments;
+use super::output::{self, print_line};
+use super::{CliError, Ending};
+use clap::Args;
+
+/// The options of `raystream devices`.
+#[derive(Args)]
+pub struct DevicesArguments {
+    #[command(flatten)]
+    open: OpenArguments,
+}
+
+/// Lists every device with its limits.
+pub fn run(arguments: &DevicesArguments) -> Result<Ending, CliError> {
+    for device in arguments.open.enumerate().list() {
+        print_line(&format!("{}", device.name))?;
+        print_line(&format!("    {}, {}, kernels {}", device.kind, device.driver, device.kernels))?;
+        match device.unsuitable {
+            Some(reason) => print_line(&format!("    cannot be used: {reason}"))?,
+            None => print_line(&format!("    largest buffer {}", output::bytes(device.buffer_bytes)))?,
+        }
+    }
+    Ok(Ending::Done)
+}

@@ -1,0 +1,160 @@
+//! Options that several commands share, and how their values are read.
+
+use crate::exec::ExecError;
+use crate::exec::device::{Device, Devices, OpenOptions};
+use crate::render::{BvhQuality, PreparedScene, Settings, Techniques};
+use crate::scene::{self, FilmSize, Scene, SceneError};
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use std::path::Path;
+use std::time::Duration;
+
+/// The options that choose a device.
+#[derive(Args)]
+pub struct DeviceArguments {
+    /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name.
+    #[arg(long, default_value = "auto", value_name = "DEVICE")]
+    device: String,
+    #[command(flatten)]
+    open: OpenArguments,
+}
+
+/// The options that say how devices are opened.
+#[derive(Args)]
+pub struct OpenArguments {
+    /// Have naga translate the kernels, also where the driver takes SPIR-V.
+    #[arg(long)]
+    naga: bool,
+    /// Run under the driver's validation layers and print their messages.
+    #[arg(long)]
+    validation: bool,
+}
+
+impl OpenArguments {
+    /// Looks for devices.
+    pub fn enumerate(&self) -> Devices {
+        Devices::enumerate(OpenOptions { naga: self.naga, validation: self.validation })
+    }
+}
+
+impl DeviceArguments {
+    /// Opens the device that was asked for.
+    pub fn open(&self) -> Result<Device, ExecError> {
+        self.open.enumerate().open(&self.device)
+    }
+}
+
+/// The options that say what is computed.
+#[derive(Args)]
+pub struct SettingsArguments {
+    /// Picture size in pixels [default: the scene's].
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<FilmSize>,
+    /// Renders with different seeds are independent of each other.
+    #[arg(long, default_value_t = 0)]
+    seed: u32,
+    /// Where random numbers come from.
+    #[arg(long, value_enum, default_value_t = Sampler::Sobol)]
+    sampler: Sampler,
+    /// Longest path in segments: 1 sees only what emits, 2 direct light as well [default: the scene's].
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..))]
+    max_depth: Option<u32>,
+    /// Segment after which Russian roulette may end a path [default: the scene's].
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..))]
+    rr_depth: Option<u32>,
+    /// How to compute a path's contribution.
+    #[arg(long, value_enum, default_value_t = Integrator::Megakernel)]
+    integrator: Integrator,
+    /// How carefully to build the acceleration structure: fast suits previews of large scenes.
+    #[arg(long, value_enum, default_value_t = Bvh::High)]
+    bvh: Bvh,
+}
+
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Sampler {
+    /// Owen-scrambled Sobol points.
+    Sobol,
+    /// Independent random numbers.
+    Independent,
+}
+
+/// How to compute a path's contribution.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Integrator {
+    /// One thread walks one path to its end.
+    Megakernel,
+}
+
+/// How carefully to build the BVH.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Bvh {
+    /// Milliseconds.
+    Fast,
+    /// Faster rays.
+    High,
+}
+
+impl SettingsArguments {
+    /// The settings for `scene`.
+    pub fn settings(&self, scene: &Scene) -> Settings {
+        // The only one so far; a new one makes this line fail to compile.
+        let Integrator::Megakernel = self.integrator;
+        Settings {
+            size: self.size.unwrap_or(scene.film),
+            seed: self.seed,
+            independent_sampler: matches!(self.sampler, Sampler::Independent),
+            max_depth: self.max_depth.unwrap_or(scene.limits.max_depth),
+            roulette_depth: self.rr_depth.unwrap_or(scene.limits.roulette_depth),
+            techniques: Techniques::Both,
+            background: Vec3::ZERO,
+        }
+    }
+
+    /// Builds the scene's BVH and lights.
+    pub fn prepare(&self, scene: Scene) -> Result<PreparedScene, crate::render::RenderError> {
+        let quality = match self.bvh {
+            Bvh::Fast => BvhQuality::Fast,
+            Bvh::High => BvhQuality::High,
+        };
+        PreparedScene::new(scene, quality)
+    }
+
+    /// The settings as pairs of name and value, for a picture's header.
+    pub fn describe(&self, settings: &Settings) -> Vec<(String, String)> {
+        let pair = |name: &str, value: String| (name.to_owned(), value);
+        vec![
+            pair("seed", settings.seed.to_string()),
+            pair("sampler", format!("{:?}", self.sampler).to_lowercase()),
+            pair("max_depth", settings.max_depth.to_string()),
+            pair("rr_depth", settings.roulette_depth.to_string()),
+            pair("integrator", format!("{:?}", self.integrator).to_lowercase()),
+        ]
+    }
+}
+
+/// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; prints its warnings.
+pub fn load_scene(name: &str) -> Result<Scene, SceneError> {
+    let is_file_name = name.contains(['/', '\\', '.']);
+    let scene = if is_file_name { scene::load(Path::new(name))? } else { scene::load_named(name)? };
+    for warning in &scene.warnings {
+        eprintln!("warning: {warning}");
+    }
+    Ok(scene)
+}
+
+fn parse_size(text: &str) -> Result<FilmSize, String> {
+    let wrong = || format!("'{text}' is not WIDTHxHEIGHT in pixels, such as 800x600");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let width = width.parse().map_err(|_| wrong())?;
+    let height = height.parse().map_err(|_| wrong())?;
+    FilmSize::new(width, height).map_err(|error| error.to_string())
+}
+
+/// A time in seconds, above 0 and at most a year.
+pub fn parse_seconds(text: &str) -> Result<Duration, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 3.2e7 => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err(format!("'{text}' is not a time in seconds between 0 and a year, such as 30 or 2.5")),
+    }
+}

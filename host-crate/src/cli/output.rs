@@ -1,0 +1,54 @@
+//! Text for people.
+
+use std::io::{self, Write};
+
+/// Writes a line to stdout. A reader that has gone away (`| head`) is not an error.
+pub fn print_line(line: &str) -> io::Result<()> {
+    match writeln!(io::stdout(), "{line}") {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
+}
+
+/// A size in bytes, rounded: `1.5 GiB`.
+pub fn bytes(count: u64) -> String {
+    let units = ["bytes", "KiB", "MiB", "GiB", "TiB"];
+    let mut value = count as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < units.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    if count > 1 << 60 {
+        "unlimited".into()
+    } else if value.fract() < 0.05 {
+        format!("{value:.0} {}", units[unit])
+    } else {
+        format!("{value:.1} {}", units[unit])
+    }
+}
+
+/// A rate, with a unit's prefix: `12.3 M`.
+pub fn rate(per_second: f64) -> String {
+    match per_second {
+        r if r >= 1e9 => format!("{:.2} G", r / 1e9),
+        r if r >= 1e6 => format!("{:.1} M", r / 1e6),
+        r if r >= 1e3 => format!("{:.0} k", r / 1e3),
+        r => format!("{r:.0} "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(bytes(128 << 20), "128 MiB");
+        assert_eq!(bytes(1_610_612_736), "1.5 GiB");
+        assert_eq!(bytes(17), "17 bytes");
+        assert_eq!(bytes(u64::MAX), "unlimited");
+        assert_eq!(rate(2.5e9), "2.50 G");
+        assert_eq!(rate(999.0), "999 ");
+    }
+}

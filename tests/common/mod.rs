@@ -1,0 +1,84 @@
+//! Scenes, devices and statistics that the tests share.
+#![allow(dead_code)] // every test file uses a part
+
+pub mod scenes;
+pub mod statistics;
+
+use raystream::exec::Executor;
+use raystream::exec::cpu::CpuExecutor;
+use raystream::exec::device::{Device, Devices, OpenOptions};
+use raystream::exec::gpu::GpuExecutor;
+use raystream::film::Film;
+use raystream::render::{BvhQuality, PreparedScene, Renderer, Settings, Techniques};
+use raystream::scene::Scene;
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+/// Set where a missing GPU must fail the tests instead of leaving some out.
+const REQUIRE_GPU: &str = "RAYSTREAM_REQUIRE_GPU";
+
+/// One test at a time on the GPU: a software one is slow, and a real one has only so much memory.
+static GPU: Mutex<()> = Mutex::new(());
+
+/// Runs `test` on any GPU, a software one too. Without one it says so loudly, or fails if [`REQUIRE_GPU`] is set.
+pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
+    let _turn = GPU.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    match Devices::enumerate(OpenOptions::default()).open("gpu") {
+        Ok(Device::Gpu(gpu)) => test(&gpu),
+        Ok(Device::Cpu(_)) => unreachable!("--device gpu gave the CPU"),
+        Err(error) => no_gpu(&error.to_string()),
+    }
+}
+
+/// What a test that needs a GPU does without one.
+pub fn no_gpu(reason: &str) {
+    assert!(std::env::var_os(REQUIRE_GPU).is_none(), "{REQUIRE_GPU} is set, but {reason}");
+    eprintln!("NOT TESTED: no Vulkan device: {reason}. Install a driver (a software one: mesa-vulkan-drivers).");
+}
+
+/// Whether there is a GPU; says so loudly, or fails, if there is none.
+pub fn has_gpu() -> bool {
+    let mut found = false;
+    with_gpu(|_| found = true);
+    found
+}
+
+/// The folder with the large scenes and their references, beside the repository; says so loudly if it is not there.
+pub fn large_scenes() -> Option<PathBuf> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("NOT TESTED: the large scenes and their references are not in {}", folder.display());
+    None
+}
+
+/// Renders `samples` per pixel on `executor`.
+pub fn render_on<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings, samples: u32) -> Film {
+    let mut renderer = Renderer::new(executor, scene, settings).expect("the scene fits");
+    renderer.round(samples, &mut |_| ()).expect("the device works");
+    renderer.film().expect("the device works")
+}
+
+/// Renders `samples` per pixel on the CPU.
+pub fn render(scene: &PreparedScene, settings: &Settings, samples: u32) -> Film {
+    render_on(&CpuExecutor, scene, settings, samples)
+}
+
+/// Builds the scene's BVH and lights.
+pub fn prepare(scene: &Scene) -> PreparedScene {
+    PreparedScene::new(scene.clone(), BvhQuality::Fast).expect("the scene is small")
+}
+
+/// The scene's own settings, with independent random numbers: then standard errors mean what they say.
+pub fn settings(scene: &Scene) -> Settings {
+    Settings {
+        size: scene.film,
+        seed: 1,
+        independent_sampler: true,
+        max_depth: scene.limits.max_depth,
+        roulette_depth: scene.limits.roulette_depth,
+        techniques: Techniques::Both,
+        background: glam::Vec3::ZERO,
+    }
+}

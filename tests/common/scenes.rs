@@ -1,0 +1,123 @@
+//! Small scenes, made in place.
+
+use glam::Vec3;
+use raystream::scene::{CameraSettings, FilmSize, PathLimits, Scene};
+use raystream_shaders::material::{DIELECTRIC, DIFFUSE, MIRROR, Material};
+use raystream_shaders::texture::NO_TEXTURE;
+use raystream_shaders::triangle::{NO_ATTRIBUTES, Triangle};
+
+/// Lambert's law.
+pub fn diffuse(reflectance: f32) -> Material {
+    Material {
+        reflectance: Vec3::splat(reflectance),
+        kind: DIFFUSE,
+        emission: Vec3::ZERO,
+        texture: NO_TEXTURE,
+        transmittance: Vec3::ONE,
+        ior: 1.0,
+    }
+}
+
+/// Lambert's law on both sides and emission from the front.
+pub fn emissive(radiance: f32, reflectance: f32) -> Material {
+    Material { emission: Vec3::splat(radiance), ..diffuse(reflectance) }
+}
+
+/// An ideal mirror.
+pub fn mirror(reflectance: f32) -> Material {
+    Material { kind: MIRROR, ..diffuse(reflectance) }
+}
+
+/// Clear glass.
+pub fn glass(ior: f32) -> Material {
+    Material { kind: DIELECTRIC, ior, ..diffuse(1.0) }
+}
+
+/// An empty scene of 16x12 pixels with a camera at `origin` that looks at `target`.
+pub fn empty(origin: Vec3, target: Vec3) -> Scene {
+    Scene {
+        name: "test".into(),
+        film: FilmSize { width: 16, height: 12 },
+        camera: CameraSettings { origin, target, up: Vec3::Y, fov_y: 40.0 },
+        limits: PathLimits { max_depth: 8, roulette_depth: 5 },
+        triangles: Vec::new(),
+        attributes: Vec::new(),
+        materials: Vec::new(),
+        texels: vec![0; 256],
+        warnings: Vec::new(),
+    }
+}
+
+/// Adds a material; its index.
+pub fn add_material(scene: &mut Scene, material: Material) -> u32 {
+    scene.materials.push(material);
+    scene.materials.len() as u32 - 1
+}
+
+/// Adds a triangle whose front is the side from which its corners run counter-clockwise.
+pub fn add_triangle(scene: &mut Scene, corners: [Vec3; 3], material: u32) {
+    let [corner, b, c] = corners;
+    scene.triangles.push(Triangle {
+        corner,
+        edge1: b - corner,
+        edge2: c - corner,
+        material,
+        attributes: NO_ATTRIBUTES,
+    });
+}
+
+/// Adds a parallelogram whose front is the side of `cross(u, v)`.
+pub fn add_quad(scene: &mut Scene, corner: Vec3, u: Vec3, v: Vec3, material: u32) {
+    add_triangle(scene, [corner, corner + u, corner + u + v], material);
+    add_triangle(scene, [corner, corner + u + v, corner + v], material);
+}
+
+/// Adds the box between two corners, its fronts outwards, or inwards if `inwards`.
+pub fn add_box(scene: &mut Scene, low: Vec3, high: Vec3, inwards: bool, material: u32) {
+    for axis in 0..3 {
+        let along = |axis: usize| Vec3::AXES[axis % 3] * (high - low)[axis % 3];
+        let (u, v) = (along(axis + 1), along(axis + 2));
+        let (front, back) = if inwards { ((v, u), (u, v)) } else { ((u, v), (v, u)) };
+        add_quad(scene, low + along(axis), front.0, front.1, material);
+        add_quad(scene, low, back.0, back.1, material);
+    }
+}
+
+/// Adds a closed, convex ball of flat triangles, subdivided from an octahedron, its fronts outwards.
+pub fn add_ball(scene: &mut Scene, centre: Vec3, radius: f32, subdivisions: u32, material: u32) {
+    let mut faces: Vec<[Vec3; 3]> = (0..8)
+        .map(|octant: u32| {
+            let sign = |bit: u32| if octant >> bit & 1 == 0 { 1.0 } else { -1.0 };
+            let [x, y, z] = [Vec3::X * sign(0), Vec3::Y * sign(1), Vec3::Z * sign(2)];
+            if sign(0) * sign(1) * sign(2) > 0.0 { [x, y, z] } else { [x, z, y] }
+        })
+        .collect();
+    for _ in 0..subdivisions {
+        faces = faces
+            .into_iter()
+            .flat_map(|[a, b, c]| {
+                let [ab, bc, ca] = [(a + b).normalize(), (b + c).normalize(), (c + a).normalize()];
+                [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    for face in faces {
+        add_triangle(scene, face.map(|corner| centre + corner * radius), material);
+    }
+}
+
+/// A closed room with a lamp, a diffuse block and a ball of `ball`'s material: all of the path tracer's cases at once.
+pub fn room(ball: Material, scale: f32) -> Scene {
+    let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale;
+    let mut scene = empty(at(0.5, 0.5, 0.05), at(0.5, 0.45, 1.0));
+    scene.camera.fov_y = 70.0;
+    let walls = add_material(&mut scene, diffuse(0.6));
+    let lamp = add_material(&mut scene, emissive(12.0, 0.3));
+    let block = add_material(&mut scene, Material { reflectance: Vec3::new(0.7, 0.3, 0.2), ..diffuse(0.0) });
+    let ball = add_material(&mut scene, ball);
+    add_box(&mut scene, Vec3::ZERO, at(1.0, 1.0, 1.0), true, walls);
+    add_quad(&mut scene, at(0.35, 0.98, 0.4), at(0.3, 0.0, 0.0), at(0.0, 0.0, 0.3), lamp);
+    add_box(&mut scene, at(0.15, 0.0, 0.55), at(0.4, 0.35, 0.8), false, block);
+    add_ball(&mut scene, at(0.68, 0.22, 0.6), 0.2 * scale, 3, ball);
+    scene
+}
