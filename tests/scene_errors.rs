@@ -44,8 +44,8 @@ fn files_that_are_not_there() {
     expect(SceneFolder::new().without("scene.json"), &["scene.json", "cannot be read"]);
     expect(SceneFolder::new().without("a.obj"), &["scene.json", "key `obj`", "no such file", "a.obj"]);
     expect_value("/obj", json!("b.obj"), &["key `obj`", "b.obj"]);
-    expect_value("/obj", json!("."), &["cannot be read"]);
-    expect_value("/obj", json!(""), &["cannot be read"]);
+    expect_value("/obj", json!("."), &["key `obj`", "no such file"]);
+    expect_value("/obj", json!(""), &["key `obj`", "no such file"]);
     let in_a_file = SceneFolder::new().path("scene.json").join("x.json");
     assert!(raystream::scene::load(&in_a_file).unwrap_err().to_string().contains("x.json"));
 }
@@ -96,7 +96,9 @@ fn keys_that_are_unknown_or_missing() {
 fn values_of_the_wrong_type() {
     expect_value("/name", json!(5), &["key `name`", "invalid type"]);
     expect_value("/obj", Value::Null, &["key `obj`", "invalid type"]);
-    expect_value("/film", json!([8, 6]), &["key `film"]);
+    expect_value("/film", json!([8, 6]), &["key `film`", "expected an object"]);
+    expect_value("/quads", json!([[[0, 0, 3], [1, 0, 0], [0, 1, 0], [1, 2, 3]]]), &["quads[0]", "expected an object"]);
+    expect_value("/materials", json!({"plain": ["null"]}), &["materials.plain", "expected an object"]);
     expect_value("/film/width", json!(8.5), &["film.width", "invalid type"]);
     expect_value("/camera/origin", json!([0, 0]), &["camera.origin", "three numbers", "has 2"]);
     expect_value("/camera/origin", json!([0, 0, 0, 0]), &["camera.origin", "three numbers", "has 4"]);

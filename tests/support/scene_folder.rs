@@ -53,6 +53,7 @@ impl SceneFolder {
     }
 
     /// Overrides the material `plain`.
+    #[allow(dead_code, reason = "not every test program overrides materials so")]
     pub fn plain(self, rule: Value) -> Self {
         self.json(|scene| scene["materials"] = json!({"plain": rule}))
     }

@@ -1,7 +1,7 @@
 //! The scene file: JSON, format 1, checked key by key as it is read.
 
 use super::rule::MaterialRule;
-use super::values::{AngleOfView, Coordinates, Depth, FilmSide, Radiance};
+use super::values::{AngleOfView, Coordinates, Depth, FilmSide, Object, Radiance};
 use super::{CameraSettings, FilmSize, PathLimits, SceneError};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -18,18 +18,18 @@ pub(super) struct SceneFile {
     _about: IgnoredAny,
     pub name: String,
     pub obj: String,
-    film: Film,
-    camera: Camera,
+    film: Object<Film>,
+    camera: Object<Camera>,
     #[serde(default)]
     pub normals: Normals,
     #[serde(default)]
     pub dedupe: bool,
     #[serde(default)]
-    pub materials: BTreeMap<String, MaterialRule>,
+    pub materials: BTreeMap<String, Object<MaterialRule>>,
     #[serde(default)]
-    pub quads: Vec<Quad>,
+    pub quads: Vec<Object<Quad>>,
     #[serde(default)]
-    integrator: Integrator,
+    integrator: Object<Integrator>,
 }
 
 impl SceneFile {
@@ -44,15 +44,16 @@ impl SceneFile {
     }
 
     pub(super) fn film(&self) -> FilmSize {
-        FilmSize { width: self.film.width.0, height: self.film.height.0 }
+        FilmSize { width: self.film.0.width.0, height: self.film.0.height.0 }
     }
 
     pub(super) fn camera(&self) -> CameraSettings {
-        self.camera.0
+        self.camera.0.0
     }
 
     pub(super) fn limits(&self) -> PathLimits {
-        PathLimits { max_depth: self.integrator.max_depth.0, roulette_depth: self.integrator.rr_depth.0 }
+        let Object(integrator) = &self.integrator;
+        PathLimits { max_depth: integrator.max_depth.0, roulette_depth: integrator.rr_depth.0 }
     }
 }
 
@@ -64,7 +65,7 @@ struct Version {
 fn parse<'de, T: Deserialize<'de>>(path: &Path, json: &'de [u8]) -> Result<T, SceneError> {
     let fail = |key: String, source| SceneError::Json { path: path.to_owned(), key, source };
     let mut deserializer = serde_json::Deserializer::from_slice(json);
-    let parsed = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
+    let Object(parsed) = serde_path_to_error::deserialize(&mut deserializer).map_err(|error| {
         let key = error.path().to_string();
         fail(if key == "." { String::new() } else { key }, error.into_inner())
     })?;

@@ -8,7 +8,7 @@ use super::obj::{Obj, Part};
 use super::rule::{Albedo, MaterialRule};
 use super::source::{Disk, Source, environment, expand, portable};
 use super::texture::Textures;
-use super::values::{Radiance, Reflectance};
+use super::values::{Object, Radiance, Reflectance};
 use super::{Scene, SceneError};
 use glam::Vec3;
 use raystream_shaders::material::{DIELECTRIC, DIFFUSE, MIRROR, Material};
@@ -43,7 +43,7 @@ pub(super) fn load_from(source: &dyn Source, path: &Path) -> Result<Scene, Scene
     let mut any_smooth = false;
     for part in &obj.parts {
         let rule = match file.materials.get(&part.material) {
-            Some(rule) => names.with_found_texture(&part.material, rule, parent(&obj_path))?,
+            Some(Object(rule)) => names.with_found_texture(&part.material, rule, parent(&obj_path))?,
             None => match library.describe(&part.material, source).transpose()? {
                 Some(Described { rule, warning }) => {
                     warnings.extend(warning);
@@ -63,7 +63,7 @@ pub(super) fn load_from(source: &dyn Source, path: &Path) -> Result<Scene, Scene
             materials.push(material);
         }
     }
-    for (index, quad) in file.quads.iter().enumerate() {
+    for (index, Object(quad)) in file.quads.iter().enumerate() {
         if !geometry.add_quad(quad, materials.len() as u32) {
             let what = "u and v span no area: a quad needs two edges in different directions";
             let source = serde_json::Error::custom(what);

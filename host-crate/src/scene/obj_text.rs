@@ -96,7 +96,7 @@ impl Reader {
         let mut found = 0;
         for word in without_comment(rest).split_ascii_whitespace().take(wanted) {
             let number: f32 = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
-            if !(f64::from(number).abs() <= MAX_COORDINATE) {
+            if !number.is_finite() || f64::from(number).abs() > MAX_COORDINATE {
                 return Err(format!("`{word}` is not a number from -{MAX_COORDINATE} to {MAX_COORDINATE}"));
             }
             self.vertices.push(' ');

@@ -18,13 +18,14 @@ pub(super) struct Disk;
 impl Source for Disk {
     fn find(&self, folder: &Path, name: &Path) -> Option<PathBuf> {
         let exact = folder.join(name);
-        if exact.exists() {
+        if exact.is_file() {
             return Some(exact);
         }
-        name.components().try_fold(folder.to_path_buf(), |parent, component| {
+        let found = name.components().try_fold(folder.to_path_buf(), |parent, component| {
             let exact = parent.join(component);
             if exact.exists() { Some(exact) } else { entry_in_any_case(&parent, component) }
-        })
+        })?;
+        found.is_file().then_some(found)
     }
 
     fn read(&self, path: &Path) -> Result<Vec<u8>, SceneError> {

@@ -1,7 +1,9 @@
 //! The values of scene and material files, checked as they are read.
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::de::{MapAccess, Visitor, value};
+use serde::{Deserialize, Deserializer};
+use std::marker::PhantomData;
 
 /// Coordinates go up to this: beyond, squares of areas overflow an f32.
 pub(super) const MAX_COORDINATE: f64 = 1e9;
@@ -11,6 +13,30 @@ pub(super) const MAX_RADIANCE: f64 = 1e12;
 pub(super) const MAX_FILM_SIDE: u32 = 16_384;
 /// Indices of refraction lie between the inverse of this and this.
 pub(super) const MAX_IOR: f64 = 100.0;
+
+/// What is written as an object `{...}`; for structs alone, serde takes an array of the values as well.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Object<T>(pub T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Keys<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Keys<T> {
+            type Value = Object<T>;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("an object {...}")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, keys: A) -> Result<Object<T>, A::Error> {
+                T::deserialize(value::MapAccessDeserializer::new(keys)).map(Object)
+            }
+        }
+
+        deserializer.deserialize_map(Keys(PhantomData))
+    }
+}
 
 /// A position or a direction in world units.
 #[derive(Clone, Copy, Debug, Deserialize)]
