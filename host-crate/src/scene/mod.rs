@@ -1,5 +1,22 @@
 //! Scenes as the renderer takes them, and the loader of scene files (format 1).
 
+mod error;
+mod format;
+mod geometry;
+mod load;
+mod mtl;
+mod obj;
+mod obj_text;
+mod rule;
+mod shipped;
+mod source;
+mod texture;
+mod values;
+
+pub use error::SceneError;
+pub use load::load;
+pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, embedded, load_named, shipped};
+
 use glam::Vec3;
 use raystream_shaders::material::Material;
 use raystream_shaders::surface::Attributes;

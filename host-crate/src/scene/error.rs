@@ -1,0 +1,167 @@
+//! What can be wrong with a scene.
+
+use std::path::PathBuf;
+
+/// Why a scene could not be loaded. Every message names the file and the place in it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// A file is there but cannot be read, or the scene file itself is not there.
+    #[error("{}: cannot be read: {source}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The scene file is not JSON, or a key is missing, unknown, of the wrong type or out of range.
+    #[error("{}: {}{source}", .path.display(), in_key(.key))]
+    Json {
+        /// The scene file.
+        path: PathBuf,
+        /// The key, with those around it, as in `quads[2].radiance`; empty at the top level.
+        key: String,
+        /// What is wrong, with line and column.
+        source: serde_json::Error,
+    },
+    /// The scene file has a format that this version does not read.
+    #[error("{}: key `format`: this version reads format 1, not {found}", .path.display())]
+    Format {
+        /// The scene file.
+        path: PathBuf,
+        /// Its format.
+        found: u64,
+    },
+    /// A path in the scene file names an environment variable that is not set.
+    #[error(
+        "{}: key `{key}`: the environment variable {name} in `{text}` is not set; set it to the folder that the path \
+         should start from, as in `export {name}=/path/to/folder`", .path.display()
+    )]
+    Variable {
+        /// The scene file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// The variable.
+        name: String,
+        /// The path that names it.
+        text: String,
+    },
+    /// The scene file names a file that is not there.
+    #[error("{}: key `{key}`: no such file: {}", .path.display(), .wanted.display())]
+    Missing {
+        /// The scene file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// The file that it names.
+        wanted: PathBuf,
+    },
+    /// The scene file overrides materials that no face of the OBJ has.
+    #[error("{}: key `materials`: the OBJ has no face of {}; it uses {}", .path.display(), list(.names), list(.used))]
+    UnknownMaterials {
+        /// The scene file.
+        path: PathBuf,
+        /// The names that are too many.
+        names: Vec<String>,
+        /// The names that the OBJ uses.
+        used: Vec<String>,
+    },
+    /// A line of an OBJ file is malformed.
+    #[error("{}, line {line}: {what}", .path.display())]
+    Obj {
+        /// The OBJ file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
+        what: String,
+    },
+    /// An OBJ file as a whole is of no use.
+    #[error("{}: {what}", .path.display())]
+    ObjContent {
+        /// The OBJ file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// A value of a material in an MTL file is malformed or out of range.
+    #[error(
+        "{}, line {line}: material `{material}`, {key}: {what}; correct it, or override the material in the scene file",
+        .path.display()
+    )]
+    Mtl {
+        /// The MTL file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The material.
+        material: String,
+        /// The key, in lower case.
+        key: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// A texture cannot be decoded.
+    #[error("{}: not a usable texture: {source}", .path.display())]
+    Texture {
+        /// The picture file.
+        path: PathBuf,
+        /// What the decoder says.
+        source: image::ImageError,
+    },
+    /// A texture holds linear (floating-point) values.
+    #[error(
+        "{}: not a usable texture: a reflectance is an sRGB picture of integers; save it as PNG", .path.display()
+    )]
+    LinearTexture {
+        /// The picture file.
+        path: PathBuf,
+    },
+    /// All textures together are too large.
+    #[error("{}: with this texture the scene has more than {limit} texels; use smaller textures", .path.display())]
+    TooManyTexels {
+        /// The texture that was one too many.
+        path: PathBuf,
+        /// The most texels that a scene may have.
+        limit: usize,
+    },
+    /// A material has a texture, but not all of its faces have texture coordinates.
+    #[error(
+        "{}: material `{material}` has the texture {} but corners without texture coordinates (vt); add them, or \
+         override the material in the scene file", .path.display(), .texture.display()
+    )]
+    NoTextureCoordinates {
+        /// The OBJ file.
+        path: PathBuf,
+        /// The material.
+        material: String,
+        /// Its texture.
+        texture: PathBuf,
+    },
+    /// No scene of that name ships with the program.
+    #[error("no scene is called `{name}`; there are {}, or give the path of a scene file", list(.known))]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: Vec<String>,
+    },
+}
+
+fn in_key(key: &str) -> String {
+    if key.is_empty() { String::new() } else { format!("key `{key}`: ") }
+}
+
+/// At most this many names go into a message.
+const LISTED: usize = 8;
+
+/// The names in backquotes, the first few when there are many.
+pub(super) fn list(names: &[String]) -> String {
+    let shown: Vec<_> = names.iter().take(LISTED).map(|name| format!("`{name}`")).collect();
+    match names.len().saturating_sub(LISTED) {
+        0 if names.is_empty() => "none".to_owned(),
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}

@@ -1,0 +1,160 @@
+//! The scenes that ship with the program.
+
+use super::load::load_from;
+use super::source::{Disk, Source};
+use super::{Scene, SceneError};
+use std::path::{Component, Path, PathBuf};
+
+/// A scene that ships, called by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShippedScene {
+    /// What the scene is called on the command line.
+    pub name: &'static str,
+    /// What there is to see, in one line.
+    pub description: &'static str,
+    /// Where its geometry comes from.
+    pub geometry: SceneGeometry,
+}
+
+/// Where the geometry of a scene that ships comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneGeometry {
+    /// It is part of the program.
+    BuiltIn,
+    /// It is fetched by the user, once, to the folder that the variable `SCENES_DIR` names.
+    Download {
+        /// The page to fetch it from.
+        url: &'static str,
+        /// Who made it, and on which terms it may be used.
+        credits: &'static str,
+    },
+}
+
+const ARCHIVE: &str = "https://casual-effects.com/data/";
+
+/// The scene that is rendered when none is named.
+pub const DEFAULT_SCENE: &str = "cornell_ball";
+
+const SHIPPED: [ShippedScene; 4] = [
+    ShippedScene {
+        name: DEFAULT_SCENE,
+        description: "Cornell box with a block and a mirror ball",
+        geometry: SceneGeometry::BuiltIn,
+    },
+    ShippedScene {
+        name: "cornell_glass",
+        description: "Cornell box with a block and a glass ball, which throws a caustic",
+        geometry: SceneGeometry::BuiltIn,
+    },
+    ShippedScene {
+        name: "sibenik",
+        description: "Nave of the cathedral of Sibenik under four lamps, textured",
+        geometry: SceneGeometry::Download { url: ARCHIVE, credits: "(c) 2002 Marko Dabrovic, CC BY-NC" },
+    },
+    ShippedScene {
+        name: "conference",
+        description: "Conference room under eight ceiling lamps",
+        geometry: SceneGeometry::Download { url: ARCHIVE, credits: "Anat Grynberg and Greg Ward, public domain" },
+    },
+];
+
+/// The scenes that ship, in the order in which to list them.
+pub fn shipped() -> &'static [ShippedScene] {
+    &SHIPPED
+}
+
+/// Loads the scene that ships under the name `name`.
+///
+/// # Errors
+///
+/// When there is no such scene, or when its geometry must be fetched first and `SCENES_DIR` does not lead to it.
+pub fn load_named(name: &str) -> Result<Scene, SceneError> {
+    if SHIPPED.iter().any(|scene| scene.name == name) {
+        load_from(&BuiltIn, &Path::new(ROOT).join(name).join(name).with_extension("json"))
+    } else {
+        let known = SHIPPED.iter().map(|scene| scene.name.to_owned()).collect();
+        Err(SceneError::UnknownName { name: name.to_owned(), known })
+    }
+}
+
+/// Loads the built-in Cornell box with a ball.
+///
+/// # Errors
+///
+/// None for the scene as it ships.
+pub fn embedded() -> Result<Scene, SceneError> {
+    load_named(DEFAULT_SCENE)
+}
+
+/// Stands for the folder of the built-in files in messages.
+const ROOT: &str = "<built-in scenes>";
+
+macro_rules! built_in {
+    ($($file:literal),* $(,)?) => {
+        /// The files that are part of the program, by their paths below `scenes/`.
+        const FILES: &[(&str, &[u8])] = &[$(($file, include_bytes!(concat!("../../../scenes/", $file)))),*];
+    };
+}
+built_in![
+    "cornell_ball/cornell_ball.json",
+    "cornell_ball/cornell_ball.obj",
+    "cornell_ball/cornell_ball.mtl",
+    "cornell_glass/cornell_glass.json",
+    "sibenik/sibenik.json",
+    "conference/conference.json",
+];
+
+/// The files that are part of the program; then those of the disk, relative to the working directory.
+struct BuiltIn;
+
+impl Source for BuiltIn {
+    fn find(&self, folder: &Path, name: &Path) -> Option<PathBuf> {
+        let path = without_dots(&folder.join(name));
+        match bytes_of(&path) {
+            Some(_) => Some(path),
+            None if folder.starts_with(ROOT) => Disk.find(Path::new(""), name),
+            None => Disk.find(folder, name),
+        }
+    }
+
+    fn read(&self, path: &Path) -> Result<Vec<u8>, SceneError> {
+        bytes_of(path).map_or_else(|| Disk.read(path), |bytes| Ok(bytes.to_vec()))
+    }
+}
+
+fn bytes_of(path: &Path) -> Option<&'static [u8]> {
+    let below_root = path.strip_prefix(ROOT).ok()?;
+    FILES.iter().find(|(file, _)| Path::new(file) == below_root).map(|(_, bytes)| *bytes)
+}
+
+/// The path with each `..` and the component before it left out.
+fn without_dots(path: &Path) -> PathBuf {
+    path.components().fold(PathBuf::new(), |mut folded, component| {
+        match component {
+            Component::ParentDir if folded.file_name().is_some() => {
+                folded.pop();
+            }
+            other => folded.push(other),
+        }
+        folded
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_scene_has_its_file() {
+        for scene in shipped() {
+            let file = format!("{0}/{0}.json", scene.name);
+            assert!(FILES.iter().any(|(name, _)| *name == file), "{file} is not built in");
+        }
+    }
+
+    #[test]
+    fn paths_are_folded() {
+        assert_eq!(without_dots(Path::new("r/a/../b/./c")), Path::new("r/b/c"));
+        assert_eq!(without_dots(Path::new("../a")), Path::new("../a"));
+    }
+}
