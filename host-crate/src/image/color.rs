@@ -1,0 +1,27 @@
+//! A picture of colours in memory.
+
+use crate::film::Film;
+use glam::Vec3;
+
+/// A picture, linear Rec.709.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColorImage {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// `width * height` colours, row by row from the top.
+    pub pixels: Vec<Vec3>,
+}
+
+impl ColorImage {
+    /// The mean radiance of a film.
+    pub fn from_film(film: &Film) -> Self {
+        Self { width: film.width, height: film.height, pixels: film.color() }
+    }
+
+    /// True if there is a pixel and [`Self::pixels`] fits the size.
+    pub(super) fn is_consistent(&self) -> bool {
+        !self.pixels.is_empty() && self.pixels.len() as u64 == u64::from(self.width) * u64::from(self.height)
+    }
+}

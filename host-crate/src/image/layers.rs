@@ -1,0 +1,97 @@
+//! The layers of a render, as channels of an EXR file.
+
+use super::{ColorImage, ImageError};
+use crate::film::Film;
+use glam::Vec3;
+use std::path::Path;
+
+/// One channel: a number for each pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// `R`, or `layer.R` in a layer.
+    pub name: String,
+    /// The values, row by row from the top.
+    pub values: Vec<f32>,
+}
+
+/// A picture of any number of channels, all of one size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayeredImage {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// The channels, each of `width * height` values. Their order means nothing: a file sorts them by name.
+    pub channels: Vec<Channel>,
+}
+
+impl LayeredImage {
+    /// Everything that a film knows:
+    ///
+    /// | channels | |
+    /// |---|---|
+    /// | `R`, `G`, `B` | mean radiance, linear Rec.709 |
+    /// | `variance.R` ... `B` | variance of that mean; infinite for fewer than two samples |
+    /// | `even.R` ... `B`, `odd.R` ... `B` | mean radiance of the even and of the odd samples |
+    /// | `albedo.R` ... `B` | mean reflectance of the first surface |
+    /// | `normal.X` ... `Z` | mean shading normal of the first surface, towards the camera |
+    /// | `position.X` ... `Z` | mean position of the first surface, world units |
+    /// | `depth.Z` | mean distance of the first surface from the camera, world units |
+    /// | `samples.N` | samples of the pixel |
+    ///
+    /// `samples.N` is a float as all the others are, which every viewer shows; it is exact up to 2^24 samples.
+    /// `path` is named in errors.
+    ///
+    /// # Errors
+    /// [`ImageError::BufferSize`] if a buffer of the film does not fit its size.
+    pub fn from_film(path: &Path, film: &Film) -> Result<Self, ImageError> {
+        for (what, values) in [("the radiance", film.radiance.len()), ("the features", film.features.len())] {
+            if values as u64 != u64::from(film.width) * u64::from(film.height) {
+                return Err(ImageError::BufferSize {
+                    path: path.to_owned(),
+                    what: what.into(),
+                    values,
+                    width: film.width,
+                    height: film.height,
+                });
+            }
+        }
+        let [even, odd] = film.halves();
+        let samples = film.samples().into_iter().map(|n| n as f32).collect();
+        let mut channels = Vec::from(rgb("", &film.color()));
+        channels.extend(rgb("variance.", &film.variance()));
+        channels.extend(rgb("even.", &even));
+        channels.extend(rgb("odd.", &odd));
+        channels.extend(rgb("albedo.", &film.albedo()));
+        channels.extend(xyz("normal.", &film.normal()));
+        channels.extend(xyz("position.", &film.position()));
+        channels.push(Channel { name: "depth.Z".into(), values: film.depth() });
+        channels.push(Channel { name: "samples.N".into(), values: samples });
+        Ok(Self { width: film.width, height: film.height, channels })
+    }
+
+    /// The channels `R`, `G`, `B` of a picture.
+    pub fn from_color(image: &ColorImage) -> Self {
+        Self { width: image.width, height: image.height, channels: rgb("", &image.pixels).into() }
+    }
+
+    /// The values of the channel `name`, if there is one.
+    pub fn channel(&self, name: &str) -> Option<&[f32]> {
+        self.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
+    }
+}
+
+fn rgb(prefix: &str, values: &[Vec3]) -> [Channel; 3] {
+    split(prefix, ["R", "G", "B"], values)
+}
+
+fn xyz(prefix: &str, values: &[Vec3]) -> [Channel; 3] {
+    split(prefix, ["X", "Y", "Z"], values)
+}
+
+fn split(prefix: &str, components: [&str; 3], values: &[Vec3]) -> [Channel; 3] {
+    std::array::from_fn(|i| Channel {
+        name: format!("{prefix}{}", components[i]),
+        values: values.iter().map(|v| v[i]).collect(),
+    })
+}
