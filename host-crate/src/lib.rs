@@ -5,6 +5,7 @@
 //! [`raystream_shaders`].
 #![deny(missing_docs)]
 
+pub mod exec;
 pub mod film;
 pub mod image;
 pub mod scene;

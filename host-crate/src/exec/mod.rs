@@ -1,0 +1,3 @@
+//! Executors: what runs kernels.
+
+pub mod kernels;
