@@ -1,12 +1,13 @@
 //! Finds or installs the SPIR-V compiler and runs it.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use cargo_gpu_install::install::Install;
 use spirv_builder::{ModuleResult, ShaderPanicStrategy, SpirvBuilder, SpirvMetadata};
 use std::env;
 use std::ffi::OsString;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 /// SPIR-V 1.3 is what every Vulkan 1.1 device takes. The generic target rather than Vulkan's: see [`crate::module`].
 const TARGET: &str = "spirv-unknown-spv1.3";
@@ -36,6 +37,7 @@ fn configure(shader_crate: &Path) -> Result<SpirvBuilder> {
     match (variable(TOOLCHAIN), variable(BACKEND)) {
         (Some(toolchain), Some(backend)) => {
             let Ok(toolchain) = toolchain.into_string() else { bail!("{TOOLCHAIN} is not UTF-8") };
+            check_toolchain(&toolchain)?;
             let mut builder = SpirvBuilder::new(shader_crate, TARGET).rustc_codegen_spirv_location(backend);
             builder.toolchain_overwrite = Some(toolchain);
             Ok(builder)
@@ -52,6 +54,20 @@ fn configure(shader_crate: &Path) -> Result<SpirvBuilder> {
         }
         _ => bail!("set both {TOOLCHAIN} and {BACKEND}, or neither, to have the compiler installed"),
     }
+}
+
+/// Fails when rustup cannot run `toolchain`, of which the builder would make a panic.
+fn check_toolchain(toolchain: &str) -> Result<()> {
+    let output = Command::new("rustc")
+        .args([&format!("+{toolchain}"), "--version"])
+        .output()
+        .context("cannot run rustc, which rustup installs")?;
+    ensure!(
+        output.status.success(),
+        "the toolchain {toolchain}, which {TOOLCHAIN} names, does not run: {}",
+        String::from_utf8_lossy(&output.stderr).trim()
+    );
+    Ok(())
 }
 
 /// The value of an environment variable; an empty one counts as not set.

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::fs;
 use std::io::{Error, ErrorKind, Result};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The SPIR-V module, relative to the repository's root.
 pub const MODULE: &str = "host-crate/shaders/kernels.spv";
@@ -32,7 +32,7 @@ pub fn current(root: &Path) -> Result<String> {
         }
     }
     let mut sources = vec!["shader-crate/Cargo.toml".to_owned()];
-    list_files(root, "shader-crate/src", &mut sources)?;
+    list_rust_files(root, "shader-crate/src", &mut sources)?;
     sources.sort();
     for source in sources {
         // A checkout may have turned line ends into those of its system, in comments and code alike.
@@ -67,15 +67,15 @@ fn locked_versions(lock: &str, package: &str) -> Result<Vec<String>> {
     Ok(versions)
 }
 
-/// Appends the files under `folder`, as paths relative to `root` with forward slashes.
-fn list_files(root: &Path, folder: &str, files: &mut Vec<String>) -> Result<()> {
+/// Appends the Rust files under `folder`, as paths relative to `root` with forward slashes. Others are what editors and tools leave.
+fn list_rust_files(root: &Path, folder: &str, files: &mut Vec<String>) -> Result<()> {
     let path = root.join(folder);
     for entry in fs::read_dir(&path).map_err(|error| name_path(&path, &error))? {
         let entry = entry.map_err(|error| name_path(&path, &error))?;
         let child = format!("{folder}/{}", entry.file_name().to_string_lossy());
         if entry.path().is_dir() {
-            list_files(root, &child, files)?;
-        } else {
+            list_rust_files(root, &child, files)?;
+        } else if child.ends_with(".rs") {
             files.push(child);
         }
     }
@@ -83,7 +83,7 @@ fn list_files(root: &Path, folder: &str, files: &mut Vec<String>) -> Result<()> 
 }
 
 fn read(root: &Path, file: &str) -> Result<Vec<u8>> {
-    let path: PathBuf = root.join(file);
+    let path = root.join(file);
     fs::read(&path).map_err(|error| name_path(&path, &error))
 }
 

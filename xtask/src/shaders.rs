@@ -36,7 +36,7 @@ pub fn check() -> Result<Outcome> {
     let module = fs::read(root.join(MODULE)).with_context(|| format!("cannot read {MODULE}; run `cargo shaders`"))?;
     if let Some(difference) = first_difference(&compiled, &module) {
         return Ok(Outcome::Stale(format!(
-            "{MODULE} is stale: it has {} bytes, the sources compile to {}, and they differ from byte {difference} on; \
+            "{MODULE} is stale: it has {} bytes, the sources compile to {}, and they differ from offset {difference} on; \
              run `cargo shaders` and commit the result",
             module.len(),
             compiled.len(),
