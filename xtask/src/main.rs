@@ -1,10 +1,54 @@
-use spirv_builder::*;
-fn main() {
-    let mut b = SpirvBuilder::new("shader-crate", std::env::args().nth(2).unwrap_or("spirv-unknown-spv1.3".into()));
-    b.build_script.defaults = false;
-    b.toolchain_overwrite = Some(std::env::var("RUST_GPU_TOOLCHAIN").unwrap());
-    b.rustc_codegen_spirv_location = Some(std::env::var("RUSTC_CODEGEN_SPIRV").unwrap().into());
-    b.release = true;
-    let r = b.build().unwrap();
-    std::fs::copy(r.module.unwrap_single(), "/tmp/kernels.spv").unwrap();
+//! Raystream's developer commands.
+//!
+//! `cargo shaders` compiles the kernels to the SPIR-V module that the renderer embeds. The module is checked in, so that
+//! building the renderer takes nothing but stable Rust; whoever changes a kernel runs this and commits the result.
+#![deny(missing_docs)]
+
+mod compiler;
+mod digest;
+mod module;
+mod shaders;
+
+use clap::{Parser, Subcommand};
+use shaders::Outcome;
+use std::process::ExitCode;
+
+/// Raystream's developer commands.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compile shader-crate to host-crate/shaders/kernels.spv.
+    ///
+    /// The compiler is the one that RUST_GPU_TOOLCHAIN (a rustup toolchain) and RUSTC_CODEGEN_SPIRV (path of the
+    /// backend's library) name. When they are not set, it is installed first, from the internet.
+    Shaders {
+        /// Write nothing; compile, compare with the checked-in files and exit with status 1 when they differ.
+        #[arg(long)]
+        check: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    let Command::Shaders { check } = Arguments::parse().command;
+    let outcome = if check { shaders::check() } else { shaders::write() };
+    match outcome {
+        Ok(Outcome::UpToDate(message)) => {
+            eprintln!("{message}");
+            ExitCode::SUCCESS
+        }
+        Ok(Outcome::Stale(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(1)
+        }
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
 }

@@ -59,9 +59,9 @@ const RAYS_SIZE: FilmSize = FilmSize { width: 1920, height: 1080 };
 /// Runs a measurement.
 pub fn run(command: &BenchCommand) -> Result<Ending, CliError> {
     match command {
-        BenchCommand::Rays(arguments) => arguments.common.for_each_scene(Some(RAYS_SIZE), |device, scene, settings| {
-            bench_rays(arguments, device, scene, settings)
-        }),
+        BenchCommand::Rays(arguments) => arguments
+            .common
+            .for_each_scene(Some(RAYS_SIZE), |device, scene, settings| bench_rays(arguments, device, scene, settings)),
         BenchCommand::Paths(arguments) => arguments
             .common
             .for_each_scene(None, |device, scene, settings| bench_paths(arguments.time, device, scene, settings)),

@@ -15,7 +15,7 @@ pub struct DevicesArguments {
 /// Lists every device with its limits.
 pub fn run(arguments: &DevicesArguments) -> Result<Ending, CliError> {
     for device in arguments.open.enumerate().list() {
-        print_line(&format!("{}", device.name))?;
+        print_line(&device.name)?;
         print_line(&format!("    {}, {}, kernels {}", device.kind, device.driver, device.kernels))?;
         match device.unsuitable {
             Some(reason) => print_line(&format!("    cannot be used: {reason}"))?,

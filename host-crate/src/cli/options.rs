@@ -148,7 +148,7 @@ fn parse_size(text: &str) -> Result<FilmSize, String> {
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
     let width = width.parse().map_err(|_| wrong())?;
     let height = height.parse().map_err(|_| wrong())?;
-    FilmSize::new(width, height).map_err(|error| error.to_string())
+    FilmSize::new(width, height).map_err(|error| format!("'{text}': {error}"))
 }
 
 /// A time in seconds, above 0 and at most a year.

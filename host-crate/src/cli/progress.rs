@@ -57,16 +57,9 @@ fn fraction(progress: &Progress) -> f64 {
 fn describe(progress: &Progress) -> String {
     let seconds = progress.elapsed.as_secs_f64().max(1e-9);
     let done = fraction(progress);
-    let left = if done > 0.0 {
-        format!(", {:.0} s left", seconds * (1.0 - done) / done)
-    } else {
-        String::new()
-    };
-    let rays = if progress.rays > 0 {
-        format!(", {}rays/s", rate(progress.rays as f64 / seconds))
-    } else {
-        String::new()
-    };
+    let left = if done > 0.0 { format!(", {:.0} s left", seconds * (1.0 - done) / done) } else { String::new() };
+    let rays =
+        if progress.rays > 0 { format!(", {}rays/s", rate(progress.rays as f64 / seconds)) } else { String::new() };
     format!("{}samples/s{rays}{left}", rate(progress.paths as f64 / seconds))
 }
 

@@ -6,6 +6,7 @@
 //!
 //! Files appear whole or not at all: they are written beside the target and renamed.
 
+mod agreement;
 mod atomic;
 mod color;
 mod compare;
@@ -20,6 +21,7 @@ mod layers;
 mod png;
 mod tone;
 
+pub use agreement::{Agreement, agreement};
 pub use atomic::check_writable;
 pub use color::ColorImage;
 pub use compare::{BlockComparison, Comparison, ComparisonSettings, compare};

@@ -54,6 +54,17 @@ pub struct FilmSize {
     pub height: u32,
 }
 
+impl FilmSize {
+    /// A size of `width` by `height` pixels.
+    ///
+    /// # Errors
+    /// A sentence that names the limit, if a side is zero, negative or too large.
+    pub fn new(width: i64, height: i64) -> Result<Self, String> {
+        let side = |name, value| values::FilmSide::try_from(value).map_err(|error| format!("the {name} {error}"));
+        Ok(Self { width: side("width", width)?.0, height: side("height", height)?.0 })
+    }
+}
+
 /// A pinhole camera as a scene file gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraSettings {

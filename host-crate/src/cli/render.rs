@@ -1,0 +1,164 @@
+//! `raystream render`
+
+use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
+use super::output::rate;
+use super::progress::ProgressDisplay;
+use super::{CliError, Ending, INTERRUPTED};
+use crate::exec::Executor;
+use crate::exec::device::Device;
+use crate::film::Film;
+use crate::image::{self, Display, ToneMap};
+use crate::render::{Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, run as render};
+use crate::scene::DEFAULT_SCENE;
+use clap::Args;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// The options of `raystream render`.
+#[derive(Args)]
+pub struct RenderArguments {
+    /// A scene file, or the name of a scene that ships (see `raystream scenes`).
+    #[arg(default_value = DEFAULT_SCENE)]
+    scene: String,
+    /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be given several times
+    /// [default: the scene's name with .png].
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Samples per pixel [default: 64, or as many as --time allows].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
+    spp: Option<u32>,
+    /// Stop after this time; what comes first, this or --spp, counts.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    time: Option<Duration>,
+    #[command(flatten)]
+    settings: SettingsArguments,
+    #[command(flatten)]
+    device: DeviceArguments,
+    /// Brightness of a PNG in stops: +1 doubles.
+    #[arg(long, default_value_t = 0.0, value_name = "STOPS", allow_negative_numbers = true, value_parser = parse_exposure)]
+    exposure: f32,
+    /// How a PNG shows what is brighter than its white.
+    #[arg(long, value_enum, default_value_t = ToneMap::default())]
+    tone_map: ToneMap,
+    /// Say nothing but warnings and errors.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Samples per pixel go up to this: beyond, sample counts in an f32 are not exact.
+const MAX_SAMPLES: i64 = 1 << 24;
+/// Samples per pixel where nothing is asked for.
+const DEFAULT_SAMPLES: u32 = 64;
+
+/// Renders a scene and writes the pictures.
+pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
+    let interrupted = catch_interrupt()?;
+    let scene = load_scene(&arguments.scene)?;
+    let outputs = if arguments.output.is_empty() {
+        vec![PathBuf::from(format!("{}.png", file_stem(&scene.name)))]
+    } else {
+        arguments.output.clone()
+    };
+    outputs.iter().try_for_each(|path| image::check_writable(path))?;
+    let device = arguments.device.open()?;
+    let settings = arguments.settings.settings(&scene);
+    let say = |line: String| {
+        if !arguments.quiet {
+            eprintln!("{line}");
+        }
+    };
+    say(format!(
+        "{}: {} triangles, {}x{} pixels, on {}",
+        scene.name,
+        scene.triangles.len(),
+        settings.size.width,
+        settings.size.height,
+        device.name()
+    ));
+    let name = scene.name.clone();
+    let started = Instant::now();
+    let prepared = arguments.settings.prepare(scene)?;
+    tracing::debug!("built the BVH in {:.2} s", started.elapsed().as_secs_f64());
+
+    let budget = Budget {
+        samples: arguments.spp.or_else(|| arguments.time.is_none().then_some(DEFAULT_SAMPLES)),
+        time: arguments.time,
+    };
+    let mut display = ProgressDisplay::new(arguments.quiet);
+    let (film, outcome) = match &device {
+        Device::Cpu(cpu) => render_film(cpu, &prepared, &settings, budget, &interrupted, &mut display),
+        Device::Gpu(gpu) => render_film(gpu.as_ref(), &prepared, &settings, budget, &interrupted, &mut display),
+    }?;
+    say(summary(&outcome, &film));
+
+    let mut header = vec![
+        ("scene".to_owned(), name),
+        ("device".to_owned(), device.name()),
+        ("samples".to_owned(), outcome.samples.to_string()),
+        ("seconds".to_owned(), format!("{:.3}", outcome.elapsed.as_secs_f64())),
+        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+    ];
+    header.extend(arguments.settings.describe(&settings));
+    let picture_display = Display { exposure: arguments.exposure, tone_map: arguments.tone_map };
+    for path in &outputs {
+        image::write_film(path, &film, &header, &picture_display)?;
+        say(format!("wrote {}", path.display()));
+    }
+    Ok(if outcome.interrupted { Ending::Interrupted } else { Ending::Done })
+}
+
+fn render_film<E: Executor>(
+    executor: &E,
+    scene: &PreparedScene,
+    settings: &Settings,
+    budget: Budget,
+    interrupted: &AtomicBool,
+    display: &mut ProgressDisplay,
+) -> Result<(Film, Outcome), RenderError> {
+    let mut renderer = Renderer::new(executor, scene, settings)?;
+    let outcome =
+        render(&mut renderer, budget, &|| interrupted.load(Ordering::Relaxed), &mut |progress| display.show(progress));
+    display.finish();
+    Ok((renderer.film()?, outcome?))
+}
+
+fn summary(outcome: &Outcome, film: &Film) -> String {
+    let seconds = outcome.elapsed.as_secs_f64().max(1e-9);
+    let paths = f64::from(outcome.samples) * film.radiance.len() as f64;
+    format!(
+        "{}{} samples per pixel in {seconds:.2} s: {}samples/s, {}rays/s",
+        if outcome.interrupted { "interrupted after " } else { "" },
+        outcome.samples,
+        rate(paths / seconds),
+        rate(outcome.rays as f64 / seconds)
+    )
+}
+
+/// A flag that the first Ctrl-C (or SIGTERM) sets; the second ends the program at once.
+fn catch_interrupt() -> Result<Arc<AtomicBool>, CliError> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        eprintln!("interrupted: finishing the round and writing the picture; again to stop at once");
+    })?;
+    Ok(interrupted)
+}
+
+/// A scene's name as a file name.
+fn file_stem(name: &str) -> String {
+    let stem: String = name.chars().map(|c| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect();
+    let stem = stem.trim_matches(['.', ' ']);
+    if stem.is_empty() { "picture".into() } else { stem.into() }
+}
+
+fn parse_exposure(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
+        _ => Err(format!("'{text}' is not a number of stops between -100 and 100")),
+    }
+}

@@ -1,0 +1,67 @@
+//! `cargo shaders`: writes the compiled kernels, or checks that the checked-in ones are current.
+
+use crate::digest::{self, DIGEST, MODULE};
+use crate::{compiler, module};
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::Path;
+
+/// How a command ended that did not fail, with what to tell the user.
+pub enum Outcome {
+    /// The checked-in files are what the sources compile to.
+    UpToDate(String),
+    /// They are not.
+    Stale(String),
+}
+
+/// Compiles the kernels, and writes the module and the digest of what it was compiled from.
+pub fn write() -> Result<Outcome> {
+    let root = root()?;
+    let module = compile(root)?;
+    let path = root.join(MODULE);
+    let unchanged = fs::read(&path).is_ok_and(|old| old == module);
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    }
+    fs::write(&path, &module).with_context(|| format!("cannot write {MODULE}"))?;
+    fs::write(root.join(DIGEST), digest::current(root)?).with_context(|| format!("cannot write {DIGEST}"))?;
+    let change = if unchanged { "unchanged" } else { "changed" };
+    Ok(Outcome::UpToDate(format!("{MODULE}: {} bytes, {change}", module.len())))
+}
+
+/// Compiles the kernels and compares with the checked-in module and digest.
+pub fn check() -> Result<Outcome> {
+    let root = root()?;
+    let compiled = compile(root)?;
+    let module = fs::read(root.join(MODULE)).with_context(|| format!("cannot read {MODULE}; run `cargo shaders`"))?;
+    if let Some(difference) = first_difference(&compiled, &module) {
+        return Ok(Outcome::Stale(format!(
+            "{MODULE} is stale: it has {} bytes, the sources compile to {}, and they differ from offset {difference} on; \
+             run `cargo shaders` and commit the result",
+            module.len(),
+            compiled.len(),
+        )));
+    }
+    let digest =
+        fs::read_to_string(root.join(DIGEST)).with_context(|| format!("cannot read {DIGEST}; run `cargo shaders`"))?;
+    if !digest.lines().eq(digest::current(root)?.lines()) {
+        return Ok(Outcome::Stale(format!(
+            "{DIGEST} is stale, though {MODULE} is not; run `cargo shaders` and commit the result"
+        )));
+    }
+    Ok(Outcome::UpToDate(format!("{MODULE} is what the sources compile to")))
+}
+
+fn compile(root: &Path) -> Result<Vec<u8>> {
+    module::finish(&compiler::compile(&root.join("shader-crate"))?)
+}
+
+/// The repository's root, wherever the command was called.
+fn root() -> Result<&'static Path> {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask has no folder above it")
+}
+
+fn first_difference(a: &[u8], b: &[u8]) -> Option<usize> {
+    let differing = a.iter().zip(b).position(|(a, b)| a != b);
+    differing.or((a.len() != b.len()).then_some(a.len().min(b.len())))
+}
