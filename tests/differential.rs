@@ -1,1 +1,282 @@
-//! x
+//! The GPU against the CPU: whatever is integer or accumulation, bit for bit; hits of the same rays; pictures by statistics.
+
+mod common;
+
+use bytemuck::Zeroable;
+use common::statistics::assert_same_expectation;
+use common::{prepare, render, render_on, scenes, settings, with_gpu};
+use glam::{UVec4, Vec3};
+use raystream::bench::rays::same_distance;
+use raystream::exec::cpu::CpuExecutor;
+use raystream::exec::{Array, ExecError, Executor, Launch, kernels};
+use raystream::render::{PreparedScene, Settings};
+use raystream::scene::{FilmSize, load_named};
+use raystream_shaders::film::{AccumulateWindow, Contribution, CountParams, FeaturePixel, FilmPixel};
+use raystream_shaders::probe::ProbeParams;
+use raystream_shaders::ray::{Hit, Ray};
+use raystream_shaders::sampler::{hash, unit_float};
+use raystream_shaders::stream::{Slot, UniformWindow};
+use raystream_shaders::tiles::pixel_of_rank;
+
+/// Random words, the same on every call.
+fn words(count: usize, seed: u32) -> Vec<u32> {
+    (0..count as u32).map(|k| hash(k ^ hash(seed))).collect()
+}
+
+fn uniform_stream<E: Executor>(executor: &E) -> Result<Vec<Slot>, ExecError> {
+    let (pixels, samples) = (777, 5);
+    let film: Vec<FilmPixel> =
+        words(pixels, 1).into_iter().map(|w| FilmPixel { samples: w, ..FilmPixel::zeroed() }).collect();
+    let film = Array::from_slice(executor, "film", &film)?;
+    let threads = pixels as u32 * samples;
+    let slots = Array::zeroed(executor, "slots", threads as usize)?;
+    let window = UniformWindow { threads, first_rank: 12_345, samples, pad: 0 };
+    executor.run(&[Launch::new(&kernels::uniform_stream, &window, vec![film.view(), slots.view()])])?;
+    slots.read(executor)
+}
+
+#[test]
+fn sample_streams_are_equal() {
+    let cpu = uniform_stream(&CpuExecutor).unwrap();
+    assert_eq!((cpu[0].rank, cpu[6].rank), (12_345, 12_346));
+    assert_eq!(cpu[4].sample, cpu[0].sample.wrapping_add(4));
+    with_gpu(|gpu| assert_eq!(uniform_stream(gpu).unwrap(), cpu));
+}
+
+/// Contributions of any size and sign, from 2^-100 to 2^100, so that every sum rounds.
+fn contributions(count: usize) -> Vec<Contribution> {
+    let random = words(count * 16, 2);
+    let number = |w: u32| (unit_float(w) - 0.5) * f32::exp2((w % 200) as f32 - 100.0);
+    random
+        .chunks_exact(16)
+        .map(|w| {
+            let vector = |at: usize| Vec3::new(number(w[at]), number(w[at + 1]), number(w[at + 2]));
+            Contribution {
+                radiance: vector(0),
+                rays: w[15] >> 16,
+                squared: vector(3),
+                hits: w[14] & 1,
+                albedo: vector(6),
+                depth: number(w[13]),
+                normal: vector(9),
+                position: vector(12),
+                ..Contribution::zeroed()
+            }
+        })
+        .collect()
+}
+
+#[allow(clippy::type_complexity)] // taken apart at once
+fn accumulate<E: Executor>(executor: &E) -> Result<(Vec<FilmPixel>, Vec<FeaturePixel>, Vec<u32>), ExecError> {
+    let (pixels, samples) = (500_usize, 7_u32);
+    let contributions = Array::from_slice(executor, "contributions", &contributions(pixels * samples as usize))?;
+    let film = Array::zeroed(executor, "film", pixels)?;
+    let features = Array::zeroed(executor, "features", pixels)?;
+    let counts = Array::zeroed(executor, "ray counts", 64)?;
+    let window = AccumulateWindow { threads: pixels as u32, samples, pad0: 0, pad1: 0 };
+    let add =
+        || Launch::new(&kernels::accumulate_runs, &window, vec![contributions.view(), film.view(), features.view()]);
+    let count = CountParams { threads: 64, pixels: pixels as u32, ..CountParams::zeroed() };
+    executor.run(&[add(), add(), Launch::new(&kernels::count_rays, &count, vec![film.view(), counts.view()])])?;
+    Ok((film.read(executor)?, features.read(executor)?, counts.read(executor)?))
+}
+
+#[test]
+fn films_are_equal_to_each_other_and_to_a_sequential_sum() {
+    let cpu = accumulate(&CpuExecutor).unwrap();
+    let all = contributions(500 * 7);
+    for (pixel, run) in all.chunks_exact(7).enumerate() {
+        let mut expected = FilmPixel::zeroed();
+        for c in run.iter().chain(run) {
+            expected.sum += c.radiance;
+            expected.sum_of_squares += c.squared;
+            expected.rays += c.rays;
+            if expected.samples % 2 == 1 {
+                expected.odd_sum += c.radiance;
+            }
+            expected.samples += 1;
+        }
+        assert_eq!(bytemuck::bytes_of(&cpu.0[pixel]), bytemuck::bytes_of(&expected), "pixel {pixel}");
+    }
+    assert_eq!(cpu.2.iter().sum::<u32>(), cpu.0.iter().map(|p| p.rays).sum::<u32>());
+    with_gpu(|gpu| {
+        let gpu = accumulate(gpu).unwrap();
+        // As bytes: -0 and 0 are different here.
+        assert_eq!(bytemuck::cast_slice::<_, u8>(&gpu.0), bytemuck::cast_slice::<_, u8>(&cpu.0));
+        assert_eq!(bytemuck::cast_slice::<_, u8>(&gpu.1), bytemuck::cast_slice::<_, u8>(&cpu.1));
+        assert_eq!(gpu.2, cpu.2);
+    });
+}
+
+/// The positions on a flat wall straight ahead are the tracer's random numbers: both samplers draw the same on the GPU.
+#[test]
+fn random_numbers_are_equal() {
+    let mut scene = scenes::empty(Vec3::ZERO, Vec3::NEG_Z);
+    scene.film = FilmSize { width: 16, height: 16 };
+    let wall = scenes::add_material(&mut scene, scenes::diffuse(0.5));
+    scenes::add_quad(&mut scene, Vec3::new(-4.0, -4.0, -1.0), Vec3::X * 8.0, Vec3::Y * 8.0, wall);
+    let prepared = prepare(&scene);
+    with_gpu(|gpu| {
+        for independent_sampler in [false, true] {
+            let settings = Settings { independent_sampler, max_depth: 1, ..settings(&scene) };
+            let cpu = render(&prepared, &settings, 4).position();
+            let gpu = render_on(gpu, &prepared, &settings, 4).position();
+            for (pixel, (a, b)) in gpu.iter().zip(&cpu).enumerate() {
+                // Pixels are 0.045 wide: a wrong bit among the upper 15 of a number moves the point by more than this.
+                assert!((*a - *b).abs().max_element() < 2e-6, "pixel {pixel}: {a} and {b}");
+            }
+        }
+    });
+}
+
+fn hits<E: Executor>(executor: &E, scene: &PreparedScene, rays: &[Ray]) -> Result<(Vec<Hit>, Vec<u32>), ExecError> {
+    let threads = rays.len() as u32;
+    let rays = Array::from_slice(executor, "rays", rays)?;
+    let nodes: Array<_, UVec4> = Array::from_slice(executor, "nodes", &scene.nodes)?;
+    let triangles: Array<_, UVec4> = Array::from_slice(executor, "triangles", &scene.triangles)?;
+    let hits = Array::zeroed(executor, "hits", threads as usize)?;
+    let occluded = Array::zeroed(executor, "occluded", threads as usize)?;
+    let parameters = ProbeParams { threads, ..ProbeParams::zeroed() };
+    executor.run(&[
+        Launch::new(
+            &kernels::closest_hits,
+            &parameters,
+            vec![rays.view(), nodes.view(), triangles.view(), hits.view()],
+        ),
+        Launch::new(
+            &kernels::any_hits,
+            &parameters,
+            vec![rays.view(), nodes.view(), triangles.view(), occluded.view()],
+        ),
+    ])?;
+    Ok((hits.read(executor)?, occluded.read(executor)?))
+}
+
+/// Asserts that the GPU hits what the CPU hits.
+fn assert_same_hits(scene: &PreparedScene, rays: &[Ray], what: &str) {
+    let (cpu, cpu_occluded) = hits(&CpuExecutor, scene, rays).unwrap();
+    assert!(cpu.iter().zip(&cpu_occluded).all(|(hit, &any)| hit.is_some() == (any == 1)), "{what}: any hit on the CPU");
+    with_gpu(|gpu| {
+        let (gpu, gpu_occluded) = hits(gpu, scene, rays).unwrap();
+        let of_scene = |hit: &Hit| scene.scene_triangles.get(hit.triangle as usize);
+        let same = cpu.iter().zip(&gpu).filter(|(a, b)| of_scene(a) == of_scene(b)).count();
+        assert!(same as f64 > 0.998 * rays.len() as f64, "{what}: {same} of {} hit the same triangle", rays.len());
+        // What is left: triangles that coincide or share the edge that was hit, or an edge against the background, which one in a
+        // thousand may be.
+        let elsewhere = cpu.iter().zip(&gpu).filter(|(a, b)| of_scene(a) != of_scene(b) && !same_distance(a.t, b.t));
+        assert!(elsewhere.count() as f64 <= 0.001 * rays.len() as f64, "{what}: hits at other distances");
+        let disagree = gpu.iter().zip(&gpu_occluded).filter(|(hit, any)| hit.is_some() != (**any == 1)).count();
+        assert!(disagree as f64 <= 0.001 * rays.len() as f64, "{what}: any hit on the GPU");
+    });
+}
+
+/// The rays through the pixel centres of the scene's own camera.
+fn primary_rays(scene: &PreparedScene, size: FilmSize, settings: &Settings) -> Vec<Ray> {
+    use raystream_shaders::path::PathParams;
+    let threads = size.width * size.height;
+    let slots: Vec<Slot> = (0..threads).map(|rank| Slot { rank, sample: 0 }).collect();
+    let slots = Array::from_slice(&CpuExecutor, "slots", &slots).unwrap();
+    let rays: Array<_, Ray> = Array::zeroed(&CpuExecutor, "rays", threads as usize).unwrap();
+    let parameters = PathParams { threads, ..scene.parameters(&Settings { size, ..*settings }) };
+    CpuExecutor.run(&[Launch::new(&kernels::primary_rays, &parameters, vec![slots.view(), rays.view()])]).unwrap();
+    let (x, y) = pixel_of_rank(0, size.width, size.height);
+    assert_eq!((x, y), (0, 0));
+    rays.read(&CpuExecutor).unwrap()
+}
+
+#[test]
+fn primary_rays_hit_the_same() {
+    let mut names = vec!["cornell_ball".to_owned()];
+    if let Some(folder) = common::large_scenes() {
+        names
+            .extend(["sibenik", "conference"].map(|name| folder.join(name).join(name).display().to_string() + ".json"));
+    }
+    for name in names {
+        let path = std::path::Path::new(&name);
+        let scene =
+            if path.is_absolute() || name.contains('/') { raystream::scene::load(path) } else { load_named(&name) };
+        let scene = scene.unwrap();
+        let settings = settings(&scene);
+        let prepared = prepare(&scene);
+        let rays = primary_rays(&prepared, FilmSize { width: 160, height: 120 }, &settings);
+        assert_same_hits(&prepared, &rays, &name);
+    }
+}
+
+/// Rays in the planes of a box's faces and along its edges, with zeros of both signs: no NaN may lose a hit.
+#[test]
+fn axis_parallel_rays_hit_the_same() {
+    let scene = scenes::room(scenes::mirror(0.9), 1.0);
+    let prepared = prepare(&scene);
+    let mut rays = Vec::new();
+    for axis in 0..3 {
+        for sign in [1.0, -1.0] {
+            for zero in [0.0, -0.0] {
+                for step in 0..400 {
+                    let mut direction = Vec3::splat(zero);
+                    direction[axis] = sign;
+                    let origin = Vec3::new((step % 20) as f32 / 20.0, (step / 20) as f32 / 20.0, 0.45) + 0.013;
+                    let origin =
+                        [origin, Vec3::new(origin.z, origin.x, origin.y), Vec3::new(origin.y, origin.z, origin.x)];
+                    rays.push(Ray::new(origin[step % 3], direction));
+                }
+            }
+        }
+    }
+    let (found, _) = hits(&CpuExecutor, &prepared, &rays).unwrap();
+    for (ray, hit) in rays.iter().zip(&found) {
+        let expected = raystream::bench::rays::brute_force(&prepared, ray);
+        assert!(expected.is_some(), "the room is closed");
+        assert!(hit.is_some() && same_distance(hit.t, expected.t), "{ray:?}: {hit:?}, brute force {expected:?}");
+    }
+    assert_same_hits(&prepared, &rays, "axis-parallel rays");
+}
+
+#[test]
+fn pictures_have_the_same_expectation() {
+    for (name, ball) in [("mirror", scenes::mirror(0.9)), ("glass", scenes::glass(1.5))] {
+        let scene = scenes::room(ball, 1.0);
+        let prepared = prepare(&scene);
+        let settings = settings(&scene);
+        let cpu = render(&prepared, &settings, 256);
+        with_gpu(|gpu| {
+            let independent = render_on(gpu, &prepared, &Settings { seed: 7, ..settings }, 256);
+            assert_same_expectation(&cpu, &independent, name);
+            // The same seed gives the same paths, all but those that the arithmetic sends elsewhere.
+            let same_seed = render_on(gpu, &prepared, &Settings { seed: settings.seed, ..settings }, 8);
+            let cpu_same = render(&prepared, &settings, 8);
+            let close = same_seed
+                .color()
+                .iter()
+                .zip(cpu_same.color())
+                .filter(|(a, b)| (**a - *b).abs().max_element() <= 1e-3 * b.max_element() + 1e-6)
+                .count();
+            assert!(close * 10 >= same_seed.radiance.len() * 9, "{name}: {close} pixels alike");
+        });
+    }
+}
+
+/// More threads than one dimension of the grid holds: 65535 groups of 64 are 4 194 240.
+#[test]
+fn launches_are_folded_into_rows() {
+    with_gpu(|gpu| {
+        let threads = 4_194_240 + 1000;
+        let film = Array::from_slice(gpu, "film", &[FilmPixel { samples: 3, ..FilmPixel::zeroed() }]).unwrap();
+        let slots: Array<_, Slot> = Array::zeroed(gpu, "slots", threads as usize).unwrap();
+        let window = UniformWindow { threads, first_rank: 5, samples: threads, pad: 0 };
+        gpu.run(&[Launch::new(&kernels::uniform_stream, &window, vec![film.view(), slots.view()])]).unwrap();
+        for (index, slot) in slots.read(gpu).unwrap().into_iter().enumerate() {
+            assert_eq!(slot, Slot { rank: 5, sample: 3 + index as u32 });
+        }
+    });
+}
+
+/// A buffer beyond the device's limit is refused with a message, before the driver sees it.
+#[test]
+fn too_large_a_buffer_is_an_error() {
+    with_gpu(|gpu| {
+        let limit = gpu.limits().buffer_bytes;
+        let error = gpu.allocate("a test", limit + 4).err().expect("too large").to_string();
+        assert!(error.contains("a test") && error.contains("--device cpu"), "{error}");
+    });
+}

@@ -84,7 +84,7 @@ fn surface_point(triangles: &[UVec4], ray: &Ray, hit: &Hit) -> SurfacePoint {
     let triangle = crate::triangle::TriangleView::new(triangles).get(hit.triangle);
     let normal = triangle.normal();
     SurfacePoint {
-        position: triangle.point(hit.u, hit.v),
+        position: triangle.interior_point(hit.u, hit.v),
         normal: if ray.direction.dot(normal) > 0.0 { -normal } else { normal },
         magnitude: triangle.magnitude(),
     }

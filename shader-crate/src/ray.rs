@@ -59,6 +59,10 @@ impl Hit {
     }
 }
 
+/// How many roundings of its largest coordinate a point is moved away from surfaces: those of the position (5), of the
+/// intersection with a neighbour (about as many) and of the boxes' planes, with room for a driver's own arithmetic.
+pub const OFFSET_ROUNDINGS: f32 = 32.0;
+
 /// A point on a surface and the bound of its rounding error.
 ///
 /// A point that is computed from barycentric coordinates lies off its triangle by a few roundings of its largest
@@ -75,13 +79,9 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// How many roundings the offset covers: those of the position (5), of the intersection with a
-    /// neighbour (about as many) and of the boxes' planes, with room for a driver's own arithmetic.
-    const ROUNDINGS: f32 = 32.0;
-
     /// The origin of a ray that leaves towards `direction`.
     pub fn offset_towards(&self, direction: Vec3) -> Vec3 {
-        let distance = Self::ROUNDINGS * UNIT_ROUNDOFF * self.magnitude;
+        let distance = OFFSET_ROUNDINGS * UNIT_ROUNDOFF * self.magnitude;
         let signed = if direction.dot(self.normal) < 0.0 { -distance } else { distance };
         self.position + self.normal * signed
     }

@@ -74,7 +74,7 @@ impl Surface {
         let from_outside = ray.direction.dot(shading) < 0.0;
         Self {
             point: SurfacePoint {
-                position: triangle.point(hit.u, hit.v),
+                position: triangle.interior_point(hit.u, hit.v),
                 normal: geometric,
                 magnitude: triangle.magnitude(),
             },

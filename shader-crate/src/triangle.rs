@@ -6,6 +6,8 @@
 //! a float, is a denormal, which a GPU may flush to zero.
 
 use crate::glam::{UVec4, Vec3};
+use crate::math::UNIT_ROUNDOFF;
+use crate::ray::OFFSET_ROUNDINGS;
 
 /// `uvec4`s of one triangle.
 pub const ROWS_PER_TRIANGLE: u32 = 3;
@@ -90,12 +92,16 @@ impl Triangle {
         (self.edge1 / scale).cross(self.edge2 / scale).normalize()
     }
 
-    /// The point of barycentric coordinates `(u, v)`.
-    pub fn point(&self, u: f32, v: f32) -> Vec3 {
-        self.corner + self.edge1 * u + self.edge2 * v
+    /// The point of barycentric coordinates `(u, v)`, moved towards the centroid by a few roundings: a point on an edge
+    /// must not end up beyond the neighbour there, from where a ray would leave a closed room.
+    pub fn interior_point(&self, u: f32, v: f32) -> Vec3 {
+        let size = self.edge1.abs().max(self.edge2.abs()).max_element();
+        let shift = (OFFSET_ROUNDINGS * UNIT_ROUNDOFF * self.magnitude() / size).min(1.0);
+        let towards_centroid = |w: f32| w + (1.0 / 3.0 - w) * shift;
+        self.corner + self.edge1 * towards_centroid(u) + self.edge2 * towards_centroid(v)
     }
 
-    /// The largest coordinate that enters [`Self::point`]: what its rounding error is relative to.
+    /// The largest coordinate that enters a point: what its rounding error is relative to.
     pub fn magnitude(&self) -> f32 {
         (self.corner.abs() + self.edge1.abs() + self.edge2.abs()).max_element()
     }

@@ -2,7 +2,7 @@
 
 use super::{BenchError, median};
 use crate::exec::{Array, Executor, Kernel, Launch, View, kernels};
-use crate::render::{PreparedScene, SceneBuffers, Settings, parameters};
+use crate::render::{PreparedScene, SceneBuffers, Settings};
 use bytemuck::Zeroable;
 use rayon::prelude::*;
 use raystream_shaders::path::PathParams;
@@ -52,7 +52,7 @@ pub fn measure<E: Executor>(
     let buffers = SceneBuffers::new(executor, scene)?;
     let threads = settings.size.width * settings.size.height;
     let count = threads as usize;
-    let path_parameters = PathParams { threads, ..parameters(scene, settings) };
+    let path_parameters = PathParams { threads, ..scene.parameters(settings) };
     let probe_parameters = ProbeParams { threads, ..ProbeParams::zeroed() };
     let make = |kernel: &'static Kernel, views: Vec<View<'_, E::Buffer>>| {
         executor.run(&[Launch::new(kernel, &path_parameters, views)])

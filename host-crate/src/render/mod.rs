@@ -17,7 +17,6 @@ mod scene_buffers;
 
 pub use bvh::BvhQuality;
 pub use prepare::PreparedScene;
-pub(crate) use renderer::parameters;
 pub use renderer::{Renderer, Settings, Techniques, Timings};
 pub use run::{Budget, Outcome, Progress, RenderError, run};
 pub use scene_buffers::SceneBuffers;

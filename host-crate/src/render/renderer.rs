@@ -95,7 +95,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
             executor,
             scene: scene_buffers,
             film,
-            parameters: parameters(scene, settings),
+            parameters: scene.parameters(settings),
             batch: BatchSize::new(slots.len() as u32),
             slots,
             contributions,
@@ -188,23 +188,25 @@ fn allocate_batch<E: Executor>(
     }
 }
 
-/// What the tracing kernels need to know beside the scene; `threads` is 0.
-pub(crate) fn parameters(scene: &PreparedScene, settings: &Settings) -> PathParams {
-    PathParams {
-        threads: 0,
-        seed: settings.seed,
-        sampler: if settings.independent_sampler { sampler::INDEPENDENT } else { sampler::SOBOL },
-        max_depth: settings.max_depth,
-        roulette_depth: settings.roulette_depth,
-        lights: scene.lights.len() as u32,
-        total_importance: scene.total_importance,
-        techniques: match settings.techniques {
-            Techniques::Both => path::BOTH_TECHNIQUES,
-            Techniques::LightSampling => path::LIGHT_SAMPLING_ALONE,
-            Techniques::BsdfSampling => path::BSDF_SAMPLING_ALONE,
-        },
-        camera: camera(&scene.camera, settings.size),
-        background: settings.background,
-        pad: 0,
+impl PreparedScene {
+    /// What the tracing kernels need to know beside the scene; `threads` is 0.
+    pub fn parameters(&self, settings: &Settings) -> PathParams {
+        PathParams {
+            threads: 0,
+            seed: settings.seed,
+            sampler: if settings.independent_sampler { sampler::INDEPENDENT } else { sampler::SOBOL },
+            max_depth: settings.max_depth,
+            roulette_depth: settings.roulette_depth,
+            lights: self.lights.len() as u32,
+            total_importance: self.total_importance,
+            techniques: match settings.techniques {
+                Techniques::Both => path::BOTH_TECHNIQUES,
+                Techniques::LightSampling => path::LIGHT_SAMPLING_ALONE,
+                Techniques::BsdfSampling => path::BSDF_SAMPLING_ALONE,
+            },
+            camera: camera(&self.camera, settings.size),
+            background: settings.background,
+            pad: 0,
+        }
     }
 }
