@@ -53,8 +53,8 @@ device_struct! {
         /// Radiance of the light that comes from all around where there is no surface, linear Rec.709. Black in scenes of format 1; the
         /// furnace tests light theirs with it.
         pub background: Vec3,
-        /// Unused; zero.
-        pub pad: u32,
+        /// How far rays start from surfaces, see [`crate::ray::OFFSET_ROUNDINGS`].
+        pub offset_roundings: f32,
     }
 }
 
@@ -77,6 +77,7 @@ pub fn trace_paths(
         attributes,
         materials,
         lights: LightView::new(lights, params.lights),
+        offset_roundings: params.offset_roundings,
         textures: TextureView::new(texels),
     };
     *contribution = trace_slot(params, &scene, slots[lane as usize]);
@@ -220,6 +221,7 @@ impl Path {
             position: light.position,
             normal: light.normal,
             magnitude: light.position.abs().max_element().max(surface.point.magnitude),
+            offset_roundings: scene.offset_roundings,
         }
         .offset_towards(light.normal);
         self.rays += 1;

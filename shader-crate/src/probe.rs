@@ -6,7 +6,7 @@ use crate::glam::UVec4;
 use crate::light::{Light, LightView};
 use crate::math::sample_cosine_hemisphere;
 use crate::path::PathParams;
-use crate::ray::{Hit, Ray, SurfacePoint};
+use crate::ray::{Hit, OFFSET_ROUNDINGS, Ray, SurfacePoint};
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream};
 use crate::stream::Slot;
 use crate::tiles::pixel_of_rank;
@@ -87,5 +87,6 @@ fn surface_point(triangles: &[UVec4], ray: &Ray, hit: &Hit) -> SurfacePoint {
         position: triangle.interior_point(hit.u, hit.v),
         normal: if ray.direction.dot(normal) > 0.0 { -normal } else { normal },
         magnitude: triangle.magnitude(),
+        offset_roundings: OFFSET_ROUNDINGS,
     }
 }

@@ -21,7 +21,7 @@ device_struct! {
 impl Ray {
     /// The ray from `origin` along `direction` without an end.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self::segment(origin, direction, f32::INFINITY)
+        Self::segment(origin, direction, f32::MAX)
     }
 
     /// The ray from `origin` along `direction` up to, but not including, `t_max`.
@@ -59,7 +59,7 @@ impl Hit {
     }
 }
 
-/// How many roundings of its largest coordinate a point is moved away from surfaces: those of the position (5), of the
+/// How many roundings of its largest coordinate a point is moved away from surfaces, unless a render says otherwise: those of the position (5), of the
 /// intersection with a neighbour (about as many) and of the boxes' planes, with room for a driver's own arithmetic.
 pub const OFFSET_ROUNDINGS: f32 = 32.0;
 
@@ -76,12 +76,14 @@ pub struct SurfacePoint {
     pub normal: Vec3,
     /// The largest magnitude that entered the position, in world units.
     pub magnitude: f32,
+    /// How far rays that leave start from the surface, in roundings of `magnitude`: [`OFFSET_ROUNDINGS`].
+    pub offset_roundings: f32,
 }
 
 impl SurfacePoint {
     /// The origin of a ray that leaves towards `direction`.
     pub fn offset_towards(&self, direction: Vec3) -> Vec3 {
-        let distance = OFFSET_ROUNDINGS * UNIT_ROUNDOFF * self.magnitude;
+        let distance = self.offset_roundings * UNIT_ROUNDOFF * self.magnitude;
         let signed = if direction.dot(self.normal) < 0.0 { -distance } else { distance };
         self.position + self.normal * signed
     }

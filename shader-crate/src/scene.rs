@@ -17,6 +17,8 @@ pub struct SceneView<'a> {
     pub materials: &'a [Material],
     /// The emissive triangles.
     pub lights: LightView<'a>,
+    /// How far rays start from surfaces, see [`crate::ray::OFFSET_ROUNDINGS`].
+    pub offset_roundings: f32,
     /// The textures.
     pub textures: TextureView<'a>,
 }

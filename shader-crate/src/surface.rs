@@ -77,6 +77,7 @@ impl Surface {
                 position: triangle.interior_point(hit.u, hit.v),
                 normal: geometric,
                 magnitude: triangle.magnitude(),
+                offset_roundings: scene.offset_roundings,
             },
             normal: if from_outside { shading } else { -shading },
             from_outside,

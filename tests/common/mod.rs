@@ -33,7 +33,7 @@ pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
 /// What a test that needs a GPU does without one.
 pub fn no_gpu(reason: &str) {
     assert!(std::env::var_os(REQUIRE_GPU).is_none(), "{REQUIRE_GPU} is set, but {reason}");
-    eprintln!("NOT TESTED: no Vulkan device: {reason}. Install a driver (a software one: mesa-vulkan-drivers).");
+    say_loudly(&format!("no Vulkan device: {reason}. Install a driver (a software one: mesa-vulkan-drivers)."));
 }
 
 /// Whether there is a GPU; says so loudly, or fails, if there is none.
@@ -49,8 +49,14 @@ pub fn large_scenes() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    eprintln!("NOT TESTED: the large scenes and their references are not in {}", folder.display());
+    say_loudly(&format!("the large scenes and their references are not in {}", folder.display()));
     None
+}
+
+/// Says what is left out on the terminal itself: the test harness hides what passing tests print the usual way.
+fn say_loudly(what: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "NOT TESTED: {what}");
 }
 
 /// Renders `samples` per pixel on `executor`.
@@ -80,5 +86,6 @@ pub fn settings(scene: &Scene) -> Settings {
         roulette_depth: scene.limits.roulette_depth,
         techniques: Techniques::Both,
         background: glam::Vec3::ZERO,
+        ray_offset: raystream_shaders::ray::OFFSET_ROUNDINGS,
     }
 }

@@ -6,6 +6,7 @@ use crate::render::{BvhQuality, PreparedScene, Settings, Techniques};
 use crate::scene::{self, FilmSize, Scene, SceneError};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use raystream_shaders::ray::OFFSET_ROUNDINGS;
 use std::path::Path;
 use std::time::Duration;
 
@@ -65,6 +66,10 @@ pub struct SettingsArguments {
     /// How to compute a path's contribution.
     #[arg(long, value_enum, default_value_t = Integrator::Megakernel)]
     integrator: Integrator,
+    /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there. Details smaller than that cast no
+    /// shadow; other renderers take some 1500.
+    #[arg(long, default_value_t = OFFSET_ROUNDINGS, value_name = "N", value_parser = parse_ray_offset)]
+    ray_offset: f32,
     /// How carefully to build the acceleration structure: fast suits previews of large scenes.
     #[arg(long, value_enum, default_value_t = Bvh::High)]
     bvh: Bvh,
@@ -108,6 +113,7 @@ impl SettingsArguments {
             roulette_depth: self.rr_depth.unwrap_or(scene.limits.roulette_depth),
             techniques: Techniques::Both,
             background: Vec3::ZERO,
+            ray_offset: self.ray_offset,
         }
     }
 
@@ -128,6 +134,7 @@ impl SettingsArguments {
             pair("sampler", format!("{:?}", self.sampler).to_lowercase()),
             pair("max_depth", settings.max_depth.to_string()),
             pair("rr_depth", settings.roulette_depth.to_string()),
+            pair("ray_offset", settings.ray_offset.to_string()),
             pair("integrator", format!("{:?}", self.integrator).to_lowercase()),
         ]
     }
@@ -149,6 +156,13 @@ fn parse_size(text: &str) -> Result<FilmSize, String> {
     let width = width.parse().map_err(|_| wrong())?;
     let height = height.parse().map_err(|_| wrong())?;
     FilmSize::new(width, height).map_err(|error| format!("'{text}': {error}"))
+}
+
+fn parse_ray_offset(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(roundings) if (1.0..=1e5).contains(&roundings) => Ok(roundings),
+        _ => Err(format!("'{text}' is not a number of roundings between 1 and 100000")),
+    }
 }
 
 /// A time in seconds, above 0 and at most a year.

@@ -35,6 +35,9 @@ pub struct Settings {
     pub techniques: Techniques,
     /// Radiance from where there is no surface, linear Rec.709.
     pub background: Vec3,
+    /// How far rays start from surfaces, in roundings of the surface's largest coordinate (2^-24 of it each): enough that no
+    /// surface shades itself, and no more, since what is smaller than this distance casts no shadow.
+    pub ray_offset: f32,
 }
 
 /// How light is looked for. All are unbiased where every technique can find all light; they differ in noise.
@@ -206,7 +209,7 @@ impl PreparedScene {
             },
             camera: camera(&self.camera, settings.size),
             background: settings.background,
-            pad: 0,
+            offset_roundings: settings.ray_offset,
         }
     }
 }

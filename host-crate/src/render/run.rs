@@ -91,7 +91,8 @@ pub fn run<E: Executor>(
         if left == 0 || spent {
             break false;
         }
-        if interrupted() {
+        // Without a single sample there is nothing to write.
+        if samples > 0 && interrupted() {
             break true;
         }
         let round = renderer.samples_of_one_batch().min(left);
