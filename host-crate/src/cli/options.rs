@@ -6,6 +6,7 @@ use crate::exec::cpu::CpuExecutor;
 use crate::exec::device::{Device, Devices, OpenOptions};
 use crate::render::{BvhQuality, PreparedScene, Settings, Techniques};
 use crate::scene::{self, FilmSize, Scene, SceneError};
+use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use std::path::Path;
@@ -15,7 +16,7 @@ use std::time::Duration;
 #[derive(Args)]
 pub struct DeviceArguments {
     /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name.
-    #[arg(long, default_value = "auto", value_name = "DEVICE")]
+    #[arg(long, default_value = "auto", value_name = "DEVICE", value_parser = NonEmptyStringValueParser::new())]
     device: String,
     #[command(flatten)]
     open: OpenArguments,
@@ -43,10 +44,11 @@ impl DeviceArguments {
     /// Opens the device that was asked for.
     pub fn open(&self) -> Result<Device, ExecError> {
         // Looking for GPUs takes time, and a broken driver may not survive it.
-        if self.device == "cpu" {
+        let selection = self.device.to_lowercase();
+        if selection == "cpu" {
             return Ok(Device::Cpu(CpuExecutor));
         }
-        self.open.enumerate().open(&self.device)
+        self.open.enumerate().open(&selection)
     }
 }
 
