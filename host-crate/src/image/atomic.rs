@@ -173,6 +173,21 @@ mod tests {
         assert_eq!(names(folder.path()), ["a.exr"]);
     }
 
+    #[test]
+    fn what_is_being_written_is_listed_until_it_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let listed = || unfinished().iter().filter(|path| path.starts_with(folder.path())).count();
+        let path = folder.path().join("a.exr");
+        let check = |_: &mut File| {
+            assert_eq!(listed(), 1);
+            Ok(())
+        };
+        replace_file_with(&path, check).unwrap();
+        assert_eq!(listed(), 0);
+        replace_file_with(&path, |_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
+        assert_eq!(listed(), 0);
+    }
+
     #[cfg(target_os = "linux")]
     #[test]
     fn what_the_system_says_of_a_full_disk_is_understood() {
