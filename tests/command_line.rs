@@ -1,1 +1,18 @@
-//! x
+//! The program as a user runs it, on the CPU with tiny pictures.
+
+#[path = "command_line/commands.rs"]
+mod commands;
+#[path = "command_line/interrupt.rs"]
+mod interrupt;
+#[path = "command_line/options.rs"]
+mod options;
+#[path = "command_line/outputs.rs"]
+mod outputs;
+#[path = "support/program.rs"]
+mod program;
+#[path = "command_line/renders.rs"]
+mod renders;
+#[path = "support/scene_folder.rs"]
+mod scene_folder;
+#[path = "command_line/scenes.rs"]
+mod scenes;

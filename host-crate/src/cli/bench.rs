@@ -8,6 +8,7 @@ use crate::exec::device::Device;
 use crate::render::{PreparedScene, Settings};
 use crate::scene::FilmSize;
 use clap::{Args, Subcommand};
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// What to measure.
@@ -46,7 +47,7 @@ pub struct PathsArguments {
 struct CommonArguments {
     /// Scene files, or names of scenes that ship.
     #[arg(default_value = "cornell_ball")]
-    scenes: Vec<String>,
+    scenes: Vec<PathBuf>,
     #[command(flatten)]
     settings: SettingsArguments,
     #[command(flatten)]

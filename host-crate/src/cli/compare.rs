@@ -1,6 +1,6 @@
 //! `raystream compare`
 
-use super::output::print_line;
+use super::output::{is_same_file, print_line};
 use super::{CliError, Ending};
 use crate::image::{self, ColorImage, ComparisonSettings, Display, ToneMap};
 use clap::Args;
@@ -18,7 +18,7 @@ pub struct CompareArguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// How strongly the difference picture shows small differences.
-    #[arg(long, default_value_t = 4.0, value_name = "G")]
+    #[arg(long, default_value_t = 4.0, value_name = "G", value_parser = parse_gain)]
     gain: f32,
     /// Print JSON.
     #[arg(long)]
@@ -39,6 +39,9 @@ pub fn run(arguments: &CompareArguments) -> Result<Ending, CliError> {
         |error: image::ImageError| format!("{} and {}: {error}", test_path.display(), reference_path.display());
     if let Some(path) = &arguments.output {
         image::check_writable(path)?;
+        if [test_path, reference_path].into_iter().any(|input| is_same_file(input, path)) {
+            return Err(format!("{}: -o would replace a picture to compare; name another file", path.display()).into());
+        }
     }
     let test = image::read_color(test_path)?;
     let reference = image::read_color(reference_path)?;
@@ -102,4 +105,11 @@ fn print_agreement(path: &Path, test: &ColorImage, reference: &ColorImage, sampl
         result.fireflies
     ))?;
     Ok(())
+}
+
+fn parse_gain(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(gain) if gain.is_finite() && gain > 0.0 => Ok(gain),
+        _ => Err(format!("'{text}' is not a factor above 0, such as 4")),
+    }
 }

@@ -54,6 +54,7 @@ type CliError = Box<dyn std::error::Error>;
 
 /// Runs the command line; the binary's `main`.
 pub fn main() -> ExitCode {
+    silence_device_selection();
     let arguments = Arguments::parse();
     start_logging(arguments.verbose);
     report_panics();
@@ -68,9 +69,19 @@ pub fn main() -> ExitCode {
         Ok(Ending::Done) => ExitCode::SUCCESS,
         Ok(Ending::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
-            eprintln!("error: {error}");
+            output::say(&format!("error: {error}"));
             ExitCode::from(FAILED)
         }
+    }
+}
+
+/// Without a desktop, the layer of Mesa that picks the desktop's GPU complains on stderr at every start of Vulkan: leaves it out.
+fn silence_device_selection() {
+    let has_desktop =
+        ["DISPLAY", "WAYLAND_DISPLAY", "XDG_RUNTIME_DIR"].iter().any(|name| std::env::var_os(name).is_some());
+    if !has_desktop {
+        // SAFETY: `main` calls this first, while the process has no other thread that could read the environment.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     }
 }
 
@@ -90,6 +101,8 @@ fn start_logging(verbose: u8) {
         .with_writer(std::io::stderr)
         .without_time()
         .with_target(false)
+        // By default it reports a closed stderr on stderr, and panics.
+        .log_internal_errors(false)
         .try_init();
 }
 
@@ -98,7 +111,9 @@ fn report_panics() {
     std::panic::set_hook(Box::new(|panic| {
         let message = panic.payload_as_str().unwrap_or("unknown");
         let place = panic.location().map_or_else(String::new, |location| format!(" at {location}"));
-        eprintln!("error: a bug in raystream: {message}{place}; please report it with the command that you ran");
+        output::say(&format!(
+            "error: a bug in raystream: {message}{place}; please report it with the command that you ran"
+        ));
         std::process::exit(i32::from(FAILED));
     }));
 }

@@ -1,9 +1,12 @@
 //! Options that several commands share, and how their values are read.
 
+use super::output::say;
 use crate::exec::ExecError;
+use crate::exec::cpu::CpuExecutor;
 use crate::exec::device::{Device, Devices, OpenOptions};
 use crate::render::{BvhQuality, PreparedScene, Settings, Techniques};
 use crate::scene::{self, FilmSize, Scene, SceneError};
+use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use raystream_shaders::ray::OFFSET_ROUNDINGS;
@@ -14,7 +17,7 @@ use std::time::Duration;
 #[derive(Args)]
 pub struct DeviceArguments {
     /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name.
-    #[arg(long, default_value = "auto", value_name = "DEVICE")]
+    #[arg(long, default_value = "auto", value_name = "DEVICE", value_parser = NonEmptyStringValueParser::new())]
     device: String,
     #[command(flatten)]
     open: OpenArguments,
@@ -41,7 +44,12 @@ impl OpenArguments {
 impl DeviceArguments {
     /// Opens the device that was asked for.
     pub fn open(&self) -> Result<Device, ExecError> {
-        self.open.enumerate().open(&self.device)
+        // Looking for GPUs takes time, and a broken driver may not survive it.
+        let selection = self.device.to_lowercase();
+        if selection == "cpu" {
+            return Ok(Device::Cpu(CpuExecutor));
+        }
+        self.open.enumerate().open(&selection)
     }
 }
 
@@ -141,11 +149,13 @@ impl SettingsArguments {
 }
 
 /// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; prints its warnings.
-pub fn load_scene(name: &str) -> Result<Scene, SceneError> {
-    let is_file_name = name.contains(['/', '\\', '.']);
-    let scene = if is_file_name { scene::load(Path::new(name))? } else { scene::load_named(name)? };
+pub fn load_scene(name: &Path) -> Result<Scene, SceneError> {
+    let scene = match name.to_str().filter(|text| !text.contains(['/', '\\', '.'])) {
+        Some(shipped) => scene::load_named(shipped)?,
+        None => scene::load(name)?,
+    };
     for warning in &scene.warnings {
-        eprintln!("warning: {warning}");
+        say(&format!("warning: {warning}"));
     }
     Ok(scene)
 }

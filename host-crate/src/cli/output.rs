@@ -1,13 +1,25 @@
 //! Text for people.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 /// Writes a line to stdout. A reader that has gone away (`| head`) is not an error.
 pub fn print_line(line: &str) -> io::Result<()> {
     match writeln!(io::stdout(), "{line}") {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        result => result,
+        result => result.map_err(|error| io::Error::new(error.kind(), format!("standard output: {error}"))),
     }
+}
+
+/// Writes a line to stderr if anyone still reads it: `eprintln!` would panic, and a render be lost for a message.
+pub fn say(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Whether two paths lead to one file, links followed where it exists.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| path.canonicalize().or_else(|_| std::path::absolute(path)).ok();
+    a == b || resolved(a).is_some_and(|a| resolved(b) == Some(a))
 }
 
 /// A size in bytes, rounded: `1.5 GiB`.

@@ -1,6 +1,6 @@
 //! How far a render is: a bar on a terminal, plain lines elsewhere.
 
-use super::output::rate;
+use super::output::{rate, say};
 use crate::render::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -35,7 +35,7 @@ impl ProgressDisplay {
             bar.set_message(describe(progress));
         } else if progress.elapsed >= self.next_line {
             self.next_line = progress.elapsed + LINE_INTERVAL;
-            eprintln!("{:3.0} %  {}", fraction(progress) * 100.0, describe(progress));
+            say(&format!("{:3.0} %  {}", fraction(progress) * 100.0, describe(progress)));
         }
     }
 

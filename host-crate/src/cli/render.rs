@@ -1,7 +1,7 @@
 //! `raystream render`
 
 use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
-use super::output::rate;
+use super::output::{self, is_same_file, rate};
 use super::progress::ProgressDisplay;
 use super::{CliError, Ending, INTERRUPTED};
 use crate::exec::Executor;
@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 pub struct RenderArguments {
     /// A scene file, or the name of a scene that ships (see `raystream scenes`).
     #[arg(default_value = DEFAULT_SCENE)]
-    scene: String,
+    scene: PathBuf,
     /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be given several times
     /// [default: the scene's name with .png].
     #[arg(short, long, value_name = "FILE")]
@@ -49,6 +49,8 @@ pub struct RenderArguments {
 
 /// Samples per pixel go up to this: beyond, sample counts in an f32 are not exact.
 const MAX_SAMPLES: i64 = 1 << 24;
+/// Characters of the default file name; 4 bytes each at most, and file names have up to 255.
+const MAX_STEM: usize = 60;
 /// Samples per pixel where nothing is asked for.
 const DEFAULT_SAMPLES: u32 = 64;
 
@@ -61,12 +63,12 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     } else {
         arguments.output.clone()
     };
-    outputs.iter().try_for_each(|path| image::check_writable(path))?;
+    check_outputs(&outputs)?;
     let device = arguments.device.open()?;
     let settings = arguments.settings.settings(&scene);
     let say = |line: String| {
         if !arguments.quiet {
-            eprintln!("{line}");
+            output::say(&line);
         }
     };
     say(format!(
@@ -91,6 +93,10 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
         Device::Cpu(cpu) => render_film(cpu, &prepared, &settings, budget, &interrupted, &mut display),
         Device::Gpu(gpu) => render_film(gpu.as_ref(), &prepared, &settings, budget, &interrupted, &mut display),
     }?;
+    if outcome.samples == 0 {
+        say("interrupted before the first sample: no picture to write".to_owned());
+        return Ok(Ending::Interrupted);
+    }
     say(summary(&outcome, &film));
 
     let mut header = vec![
@@ -102,10 +108,16 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     ];
     header.extend(arguments.settings.describe(&settings));
     let picture_display = Display { exposure: arguments.exposure, tone_map: arguments.tone_map };
+    // Where one cannot be written (a disk is full), the others still save the render.
+    let mut written = Ok(());
     for path in &outputs {
-        image::write_film(path, &film, &header, &picture_display)?;
-        say(format!("wrote {}", path.display()));
+        let result = image::write_film(path, &film, &header, &picture_display);
+        if result.is_ok() {
+            say(format!("wrote {}", path.display()));
+        }
+        written = written.and(result);
     }
+    written?;
     Ok(if outcome.interrupted { Ending::Interrupted } else { Ending::Done })
 }
 
@@ -142,16 +154,29 @@ fn catch_interrupt() -> Result<Arc<AtomicBool>, CliError> {
     let flag = Arc::clone(&interrupted);
     ctrlc::set_handler(move || {
         if flag.swap(true, Ordering::Relaxed) {
+            image::discard_unfinished();
             std::process::exit(i32::from(INTERRUPTED));
         }
-        eprintln!("interrupted: finishing the round and writing the picture; again to stop at once");
+        output::say("interrupted: finishing the round and writing the picture; again to stop at once");
     })?;
     Ok(interrupted)
 }
 
-/// A scene's name as a file name.
+/// Fails where a render's pictures could not be written, or one would replace another.
+fn check_outputs(paths: &[PathBuf]) -> Result<(), CliError> {
+    for (index, path) in paths.iter().enumerate() {
+        image::check_writable(path)?;
+        if paths[..index].iter().any(|earlier| is_same_file(earlier, path)) {
+            return Err(format!("{}: -o names this file twice; name each once", path.display()).into());
+        }
+    }
+    Ok(())
+}
+
+/// A scene's name as a file name, of a length that every file system takes.
 fn file_stem(name: &str) -> String {
-    let stem: String = name.chars().map(|c| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect();
+    let stem: String =
+        name.chars().take(MAX_STEM).map(|c| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect();
     let stem = stem.trim_matches(['.', ' ']);
     if stem.is_empty() { "picture".into() } else { stem.into() }
 }

@@ -105,7 +105,7 @@ impl Devices {
         let cpu = DeviceInfo {
             name: "cpu".into(),
             kind: "CPU",
-            driver: cpu_name(),
+            driver: threads(),
             kernels: "native",
             buffer_bytes: isize::MAX as u64,
             unsuitable: None,
@@ -173,5 +173,9 @@ fn unsuitable(adapter: &wgpu::Adapter) -> Option<String> {
 }
 
 fn cpu_name() -> String {
-    format!("CPU, {} threads", rayon::current_num_threads())
+    format!("CPU, {}", threads())
+}
+
+fn threads() -> String {
+    format!("{} threads", rayon::current_num_threads())
 }

@@ -1,9 +1,11 @@
 //! Files that appear whole or not at all.
 
 use super::{Format, ImageError};
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Fails now if writing a picture to `path` would: its extension is not `.exr` or `.png`, its folder does not
 /// exist or is not writable, or it names a folder, a device or a write-protected file. Leaves nothing behind and
@@ -30,12 +32,39 @@ fn replace_file_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()
     let target = Target::of(path)?;
     let error = |e| ImageError::from_write(path, &target.folder, e);
     // Removed again when dropped.
-    let mut temporary = target.temporary_file().map_err(error)?;
+    let (_listed, mut temporary) = target.temporary_file().map_err(error)?;
     write(temporary.as_file_mut()).map_err(error)?;
     // A disk may notice only now that it is full, and a rename must not outrun the contents.
     temporary.as_file().sync_all().map_err(error)?;
     temporary.persist(&target.file).map_err(|e| error(e.error))?;
     Ok(())
+}
+
+/// Temporary files that are being written.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of pictures that other threads are writing; for a signal handler that then ends the process.
+/// From now on no picture can be written: a thread that tries waits for the end of the process.
+pub fn discard_unfinished() {
+    let unfinished = unfinished();
+    for path in unfinished.iter() {
+        // One that has just been renamed is finished.
+        let _ = fs::remove_file(path);
+    }
+    std::mem::forget(unfinished);
+}
+
+/// A path in [`UNFINISHED`]; taken out when dropped.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        unfinished().remove(&self.0);
+    }
 }
 
 /// Where a picture goes.
@@ -73,7 +102,7 @@ impl Target {
 
     /// An empty file in the target's folder, with the permissions that the target has or, if it is new, that
     /// any program's new file would have.
-    fn temporary_file(&self) -> io::Result<tempfile::NamedTempFile> {
+    fn temporary_file(&self) -> io::Result<(Listed, tempfile::NamedTempFile)> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".raystream-").suffix(".tmp");
         #[cfg(unix)]
@@ -82,11 +111,16 @@ impl Target {
             // The system takes the umask off.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
+        // Held, so that no file is made and not yet listed when the process ends.
+        let mut unfinished = unfinished();
         let temporary = builder.tempfile_in(&self.folder)?;
+        unfinished.insert(temporary.path().to_owned());
+        drop(unfinished);
+        let listed = Listed(temporary.path().to_owned());
         if let Some(permissions) = &self.permissions {
             temporary.as_file().set_permissions(permissions.clone())?;
         }
-        Ok(temporary)
+        Ok((listed, temporary))
     }
 }
 
@@ -137,6 +171,21 @@ mod tests {
         let new = folder.path().join("b.exr");
         replace_file_with(&new, half_then_full).unwrap_err();
         assert_eq!(names(folder.path()), ["a.exr"]);
+    }
+
+    #[test]
+    fn what_is_being_written_is_listed_until_it_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let listed = || unfinished().iter().filter(|path| path.starts_with(folder.path())).count();
+        let path = folder.path().join("a.exr");
+        let check = |_: &mut File| {
+            assert_eq!(listed(), 1);
+            Ok(())
+        };
+        replace_file_with(&path, check).unwrap();
+        assert_eq!(listed(), 0);
+        replace_file_with(&path, |_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
+        assert_eq!(listed(), 0);
     }
 
     #[cfg(target_os = "linux")]

@@ -22,7 +22,7 @@ mod png;
 mod tone;
 
 pub use agreement::{Agreement, agreement};
-pub use atomic::check_writable;
+pub use atomic::{check_writable, discard_unfinished};
 pub use color::ColorImage;
 pub use compare::{BlockComparison, Comparison, ComparisonSettings, compare};
 pub use difference::difference;

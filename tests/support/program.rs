@@ -1,0 +1,73 @@
+//! Runs of the program in a folder of their own.
+
+use std::ffi::OsStr;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+/// How a run ended.
+pub struct Run {
+    /// Exit status; none after a signal.
+    pub status: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Run {
+    pub fn new(output: Output) -> Self {
+        let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("the program writes UTF-8");
+        Self { status: output.status.code(), stdout: text(&output.stdout), stderr: text(&output.stderr) }
+    }
+
+    /// It ended well.
+    #[track_caller]
+    pub fn succeeded(self) -> Self {
+        assert_eq!(self.status, Some(0), "stdout: {}\nstderr: {}", self.stdout, self.stderr);
+        self
+    }
+
+    /// It failed with status 2 and an error that says all of `parts`.
+    #[track_caller]
+    pub fn failed(self, parts: &[&str]) -> Self {
+        assert_eq!(self.status, Some(2), "stdout: {}\nstderr: {}", self.stdout, self.stderr);
+        assert!(self.stderr.lines().any(|line| line.starts_with("error: ")), "{}", self.stderr);
+        assert!(!self.stderr.contains("a bug in raystream"), "{}", self.stderr);
+        self.says(parts)
+    }
+
+    /// Stderr says all of `parts`.
+    #[track_caller]
+    pub fn says(self, parts: &[&str]) -> Self {
+        for part in parts {
+            assert!(self.stderr.contains(part), "{:?} does not say {part:?}", self.stderr);
+        }
+        self
+    }
+}
+
+/// The program with `arguments`, in `folder`, with nothing to read from stdin.
+pub fn program<A: AsRef<OsStr>>(folder: &Path, arguments: &[A]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_raystream"));
+    command.args(arguments).current_dir(folder).stdin(Stdio::null()).env_remove("RUST_LOG").env_remove("SCENES_DIR");
+    command
+}
+
+/// Runs the program with `arguments`, split at spaces, in `folder`.
+#[track_caller]
+pub fn run(folder: &Path, arguments: &str) -> Run {
+    let arguments: Vec<_> = arguments.split_whitespace().collect();
+    Run::new(program(folder, &arguments).output().expect("the program starts"))
+}
+
+/// Renders on the CPU with more `arguments`, split at spaces.
+#[track_caller]
+pub fn render(folder: &Path, arguments: &str) -> Run {
+    run(folder, &format!("render --device cpu {arguments}"))
+}
+
+/// Names of all files in a folder, hidden ones too, sorted.
+pub fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
