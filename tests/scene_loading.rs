@@ -169,11 +169,11 @@ fn quads_face_the_side_of_the_cross_product() {
     let quad = &scene.triangles[2..];
     assert_eq!(quad.iter().map(|t| t.normal()).collect::<Vec<_>>(), [Vec3::Z, Vec3::Z]);
     assert_eq!(
-        [quad[0].point(1.0, 0.0), quad[0].point(0.0, 1.0)],
+        [quad[0].corner + quad[0].edge1, quad[0].corner + quad[0].edge2],
         [Vec3::new(1.0, 0.0, 3.0), Vec3::new(1.0, 1.0, 3.0)]
     );
     assert_eq!(
-        [quad[1].point(1.0, 0.0), quad[1].point(0.0, 1.0)],
+        [quad[1].corner + quad[1].edge1, quad[1].corner + quad[1].edge2],
         [Vec3::new(1.0, 1.0, 3.0), Vec3::new(0.0, 1.0, 3.0)]
     );
     let material = scene.materials[quad[0].material as usize];

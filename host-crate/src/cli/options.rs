@@ -29,7 +29,7 @@ pub struct OpenArguments {
     /// Have naga translate the kernels, also where the driver takes SPIR-V.
     #[arg(long)]
     naga: bool,
-    /// Run under the driver's validation layers and print their messages.
+    /// Run under the driver's validation layers, where they are installed (-vv says), and print their messages.
     #[arg(long)]
     validation: bool,
 }
