@@ -4,6 +4,8 @@
 mod commands;
 #[path = "command_line/interrupt.rs"]
 mod interrupt;
+#[path = "command_line/memory.rs"]
+mod memory;
 #[path = "command_line/options.rs"]
 mod options;
 #[path = "command_line/outputs.rs"]

@@ -276,7 +276,7 @@ fn launches_are_folded_into_rows() {
 fn too_large_a_buffer_is_an_error() {
     with_gpu(|gpu| {
         let limit = gpu.limits().buffer_bytes;
-        let error = gpu.allocate("a test", limit + 4).err().expect("too large").to_string();
+        let error = gpu.allocate("a test", limit + 4).expect_err("too large").to_string();
         assert!(error.contains("a test") && error.contains("--device cpu"), "{error}");
     });
 }

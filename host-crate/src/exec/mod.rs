@@ -102,7 +102,7 @@ pub enum ExecError {
     },
     /// A buffer does not fit.
     #[error(
-        "{device} has no room for {bytes} bytes of {label}; use a smaller picture or scene, close other programs, or use --device cpu"
+        "{device} has no room for {bytes} bytes of {label}; use a smaller picture or scene, close other programs, or choose another device (`raystream devices` lists them)"
     )]
     OutOfMemory {
         /// The device.

@@ -5,7 +5,7 @@ use crate::film::Film;
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use raystream_shaders::film::{FeaturePixel, FilmPixel};
-use raystream_shaders::tiles::{TILE, rank_of_pixel};
+use raystream_shaders::tiles::{TILE, pixel_of_rank};
 use std::ops::Range;
 
 /// Windows of the film start at multiples of this: its bytes are then a multiple of any device's alignment.
@@ -56,17 +56,20 @@ impl<B> FilmBuffers<B> {
     /// Copies the film to the host, in rows.
     pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Film, ExecError> {
         let FilmSize { width, height } = self.size;
-        let mut by_rank = Vec::with_capacity((width * height) as usize);
+        let pixels = (width * height) as usize;
+        let mut radiance = vec![FilmPixel::zeroed(); pixels];
+        let mut features = vec![FeaturePixel::zeroed(); pixels];
+        // Band by band, so that little more than the picture itself is in memory at once.
         for band in &self.bands {
-            let film = band.film.read(executor)?;
-            by_rank.extend(film.into_iter().zip(band.features.read(executor)?));
-        }
-        let mut radiance = vec![FilmPixel::zeroed(); by_rank.len()];
-        let mut features = vec![FeaturePixel::zeroed(); by_rank.len()];
-        for y in 0..height {
-            for x in 0..width {
-                let pixel = (y * width + x) as usize;
-                (radiance[pixel], features[pixel]) = by_rank[rank_of_pixel(x, y, width, height) as usize];
+            let in_rows = |offset: usize| {
+                let (x, y) = pixel_of_rank(band.first_rank + offset as u32, width, height);
+                (y * width + x) as usize
+            };
+            for (offset, pixel) in band.film.read(executor)?.into_iter().enumerate() {
+                radiance[in_rows(offset)] = pixel;
+            }
+            for (offset, pixel) in band.features.read(executor)?.into_iter().enumerate() {
+                features[in_rows(offset)] = pixel;
             }
         }
         Ok(Film { width, height, radiance, features })
