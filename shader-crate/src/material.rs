@@ -57,7 +57,8 @@ pub fn diffuse_pdf(normal: Vec3, direction: Vec3) -> f32 {
 /// Samples Lambert's BSDF about the shading `normal`, which is on the side that the path came from.
 pub fn sample_diffuse(reflectance: Vec3, normal: Vec3, u: [f32; 2]) -> BsdfSample {
     let direction = sample_cosine_hemisphere(normal, u);
-    BsdfSample { direction, weight: reflectance, pdf: diffuse_pdf(normal, direction) }
+    // At the horizon the cosine rounds to 0, which would stand for a delta distribution.
+    BsdfSample { direction, weight: reflectance, pdf: diffuse_pdf(normal, direction).max(f32::MIN_POSITIVE) }
 }
 
 /// Reflects the unit vector `incoming` at the shading `normal`.

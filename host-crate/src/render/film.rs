@@ -31,6 +31,12 @@ impl<B> FilmBuffers<B> {
     /// A black film.
     pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
         let pixels = size.width * size.height;
+        debug_assert!(
+            [size_of::<FilmPixel>(), size_of::<FeaturePixel>()]
+                .iter()
+                .all(|&size| (u64::from(WINDOW_ALIGNMENT) * size as u64).is_multiple_of(executor.limits().alignment)),
+            "windows start where a view may"
+        );
         let largest = size_of::<FilmPixel>().max(size_of::<FeaturePixel>()) as u64;
         let fitting = (executor.limits().buffer_bytes / largest).min(u64::from(u32::MAX / 2)) as u32;
         let band_pixels = (fitting / WINDOW_ALIGNMENT * WINDOW_ALIGNMENT).max(WINDOW_ALIGNMENT);
