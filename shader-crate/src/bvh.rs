@@ -3,10 +3,12 @@
 //! Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017. The nodes are
 //! those of the crate obvhs: 80 bytes, read here as five `uvec4`s,
 //!
-//!     0: origin xyz (f32), exponents of the grid x | y | z and the mask of inner children (a byte each)
-//!     1: first child node, first triangle, meta of children 0-3, of children 4-7
-//!     2: min x of children 0-3, 4-7, max x of children 0-3, 4-7
-//!     3, 4: the same for y and z
+//! ```text
+//! 0: origin xyz (f32), exponents of the grid x | y | z and the mask of inner children (a byte each)
+//! 1: first child node, first triangle, meta of children 0-3, of children 4-7
+//! 2: min x of children 0-3, 4-7, max x of children 0-3, 4-7
+//! 3, 4: the same for y and z
+//! ```
 //!
 //! A ray's work is two groups of bits. A **node group** is (first child, hits << 24 | inner mask): bit 24 + k is a
 //! child still to visit, k its place in the order in which this ray's octant visits children, nearest highest. A **triangle group** is (first

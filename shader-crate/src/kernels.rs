@@ -2,11 +2,13 @@
 //!
 //! Each row of [`for_each_kernel!`](crate::for_each_kernel) is
 //!
-//!     name[workgroup size] = function {
-//!         uniform 0 parameters: P,
-//!         read 1 slice: R, ...
-//!         write 2 element: W, ...
-//!     }
+//! ```text
+//! name[workgroup size] = function {
+//!     uniform 0 parameters: P,
+//!     read 1 slice: R, ...
+//!     write 2 element: W, ...
+//! }
+//! ```
 //!
 //! and stands for `function(lane, &P, &[R] ..., &mut W ...)`: binding 0 is a uniform, then come the read-only
 //! storage buffers, then those of which lane `lane` owns the element `lane`. The row becomes

@@ -1,6 +1,8 @@
 //! Triangles as the traversal reads them: three `uvec4`s each, in the order of the BVH's leaves.
 //!
-//!     corner 0 xyz, material | edge to corner 1 xyz, attributes | edge to corner 2 xyz, unused
+//! ```text
+//! corner 0 xyz, material | edge to corner 1 xyz, attributes | edge to corner 2 xyz, unused
+//! ```
 //!
 //! The words are bits of f32 where they are lengths. They travel as integers because a small integer, read as
 //! a float, is a denormal, which a GPU may flush to zero.
