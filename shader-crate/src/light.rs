@@ -2,6 +2,7 @@
 
 use crate::device_struct;
 use crate::glam::Vec3;
+use crate::math::triangle_normal;
 
 device_struct! {
     /// One emissive triangle, and one column of the alias table that chooses among them. 64 bytes.
@@ -87,10 +88,9 @@ impl<'a> LightView<'a> {
             let b = 0.5 * u[1];
             (u[0] - b, b)
         };
-        let scale = light.edge1.abs().max(light.edge2.abs()).max_element();
         LightPoint {
             position: light.corner + light.edge1 * a + light.edge2 * b,
-            normal: (light.edge1 / scale).cross(light.edge2 / scale).normalize(),
+            normal: triangle_normal(light.edge1, light.edge2),
             radiance: light.radiance,
             pdf: light.pdf,
         }

@@ -7,6 +7,14 @@ use spirv_std::num_traits::Float as _;
 /// 2^-24: half an ulp of 1, the largest relative error of one rounded operation.
 pub const UNIT_ROUNDOFF: f32 = 5.960_464_5e-8;
 
+/// Unit normal of the triangle with these two edges from one corner, on the side from which its corners run
+/// counter-clockwise.
+pub fn triangle_normal(edge1: Vec3, edge2: Vec3) -> Vec3 {
+    // Scaled first: the squares of very small edges' products underflow.
+    let scale = edge1.abs().max(edge2.abs()).max_element();
+    (edge1 / scale).cross(edge2 / scale).normalize()
+}
+
 /// Two unit vectors that make a right-handed orthonormal frame with the unit vector `n`:
 /// `cross(x, y) = n`.
 ///

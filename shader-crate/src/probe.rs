@@ -10,6 +10,7 @@ use crate::ray::{Hit, OFFSET_ROUNDINGS, Ray, SurfacePoint};
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream};
 use crate::stream::Slot;
 use crate::tiles::pixel_of_rank;
+use crate::triangle::TriangleView;
 
 device_struct! {
     /// The parameters of a trace of `threads` rays. 16 bytes.
@@ -80,13 +81,9 @@ pub fn any_hits(lane: u32, _: &ProbeParams, rays: &[Ray], nodes: &[UVec4], trian
     *occluded = BvhView::new(nodes, triangles).is_occluded(&rays[lane as usize]) as u32;
 }
 
+/// The point that `ray` hit, its normal on the side that the ray came from.
 fn surface_point(triangles: &[UVec4], ray: &Ray, hit: &Hit) -> SurfacePoint {
-    let triangle = crate::triangle::TriangleView::new(triangles).get(hit.triangle);
-    let normal = triangle.normal();
-    SurfacePoint {
-        position: triangle.interior_point(hit.u, hit.v),
-        normal: if ray.direction.dot(normal) > 0.0 { -normal } else { normal },
-        magnitude: triangle.magnitude(),
-        offset_roundings: OFFSET_ROUNDINGS,
-    }
+    let point = TriangleView::new(triangles).get(hit.triangle).surface_point(hit, OFFSET_ROUNDINGS);
+    let behind = ray.direction.dot(point.normal) > 0.0;
+    SurfacePoint { normal: if behind { -point.normal } else { point.normal }, ..point }
 }

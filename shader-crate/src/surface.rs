@@ -55,7 +55,8 @@ impl Surface {
     /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some).
     pub fn at(scene: &SceneView<'_>, ray: &Ray, hit: &Hit) -> Self {
         let triangle = scene.bvh.triangles().get(hit.triangle);
-        let geometric = triangle.normal();
+        let point = triangle.surface_point(hit, scene.offset_roundings);
+        let geometric = point.normal;
         let mut material = scene.materials[triangle.material as usize];
         let mut shading = geometric;
         if triangle.attributes != NO_ATTRIBUTES {
@@ -73,12 +74,7 @@ impl Surface {
         }
         let from_outside = ray.direction.dot(shading) < 0.0;
         Self {
-            point: SurfacePoint {
-                position: triangle.interior_point(hit.u, hit.v),
-                normal: geometric,
-                magnitude: triangle.magnitude(),
-                offset_roundings: scene.offset_roundings,
-            },
+            point,
             normal: if from_outside { shading } else { -shading },
             from_outside,
             from_front: ray.direction.dot(geometric) < 0.0,

@@ -8,8 +8,8 @@
 //! a float, is a denormal, which a GPU may flush to zero.
 
 use crate::glam::{UVec4, Vec3};
-use crate::math::UNIT_ROUNDOFF;
-use crate::ray::OFFSET_ROUNDINGS;
+use crate::math::{UNIT_ROUNDOFF, triangle_normal};
+use crate::ray::{Hit, OFFSET_ROUNDINGS, SurfacePoint};
 
 /// `uvec4`s of one triangle.
 pub const ROWS_PER_TRIANGLE: u32 = 3;
@@ -89,22 +89,30 @@ impl Triangle {
 
     /// Unit normal of the front, the side from which the corners run counter-clockwise.
     pub fn normal(&self) -> Vec3 {
-        // Scaled first: the squares of very small edges' products underflow.
-        let scale = self.edge1.abs().max(self.edge2.abs()).max_element();
-        (self.edge1 / scale).cross(self.edge2 / scale).normalize()
+        triangle_normal(self.edge1, self.edge2)
     }
 
     /// The point of barycentric coordinates `(u, v)`, moved towards the centroid by a few roundings: a point on an edge
     /// must not end up beyond the neighbour there, from where a ray would leave a closed room.
-    pub fn interior_point(&self, u: f32, v: f32) -> Vec3 {
+    fn interior_point(&self, u: f32, v: f32) -> Vec3 {
         let size = self.edge1.abs().max(self.edge2.abs()).max_element();
         let shift = (OFFSET_ROUNDINGS * UNIT_ROUNDOFF * self.magnitude() / size).min(1.0);
         let towards_centroid = |w: f32| w + (1.0 / 3.0 - w) * shift;
         self.corner + self.edge1 * towards_centroid(u) + self.edge2 * towards_centroid(v)
     }
 
+    /// The point of `hit`, which is on this triangle, for rays that leave it by `offset_roundings` (see [`OFFSET_ROUNDINGS`]).
+    pub fn surface_point(&self, hit: &Hit, offset_roundings: f32) -> SurfacePoint {
+        SurfacePoint {
+            position: self.interior_point(hit.u, hit.v),
+            normal: self.normal(),
+            magnitude: self.magnitude(),
+            offset_roundings,
+        }
+    }
+
     /// The largest coordinate that enters a point: what its rounding error is relative to.
-    pub fn magnitude(&self) -> f32 {
+    fn magnitude(&self) -> f32 {
         (self.corner.abs() + self.edge1.abs() + self.edge2.abs()).max_element()
     }
 }

@@ -6,7 +6,7 @@ pub mod statistics;
 
 use raystream::exec::Executor;
 use raystream::exec::cpu::CpuExecutor;
-use raystream::exec::device::{Device, Devices, OpenOptions};
+use raystream::exec::device::{Device, OpenOptions};
 use raystream::exec::gpu::GpuExecutor;
 use raystream::film::Film;
 use raystream::render::{BvhQuality, PreparedScene, Renderer, Settings, Techniques};
@@ -23,7 +23,7 @@ static GPU: Mutex<()> = Mutex::new(());
 /// Runs `test` on any GPU, a software one too. Without one it says so loudly, or fails if [`REQUIRE_GPU`] is set.
 pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
     let _turn = GPU.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    match Devices::enumerate(OpenOptions::default()).open("gpu") {
+    match Device::open("gpu", OpenOptions::default()) {
         Ok(Device::Gpu(gpu)) => test(&gpu),
         Ok(Device::Cpu(_)) => unreachable!("--device gpu gave the CPU"),
         Err(error) => no_gpu(&error.to_string()),

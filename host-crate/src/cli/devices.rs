@@ -3,6 +3,7 @@
 use super::options::OpenArguments;
 use super::output::{self, print_line};
 use super::{CliError, Ending};
+use crate::exec::device::Devices;
 use clap::Args;
 
 /// The options of `raystream devices`.
@@ -14,7 +15,7 @@ pub struct DevicesArguments {
 
 /// Lists every device with its limits.
 pub fn run(arguments: &DevicesArguments) -> Result<Ending, CliError> {
-    for device in arguments.open.enumerate().list() {
+    for device in Devices::enumerate(arguments.open.options()).list() {
         print_line(&device.name)?;
         print_line(&format!("    {}, {}, kernels {}", device.kind, device.driver, device.kernels))?;
         match device.unsuitable {

@@ -2,8 +2,7 @@
 
 use super::output::say;
 use crate::exec::ExecError;
-use crate::exec::cpu::CpuExecutor;
-use crate::exec::device::{Device, Devices, OpenOptions};
+use crate::exec::device::{Device, OpenOptions};
 use crate::render::{BvhQuality, PreparedScene, Settings, Techniques};
 use crate::scene::{self, FilmSize, Scene, SceneError};
 use clap::builder::NonEmptyStringValueParser;
@@ -35,21 +34,16 @@ pub struct OpenArguments {
 }
 
 impl OpenArguments {
-    /// Looks for devices.
-    pub fn enumerate(&self) -> Devices {
-        Devices::enumerate(OpenOptions { naga: self.naga, validation: self.validation })
+    /// What was asked for.
+    pub fn options(&self) -> OpenOptions {
+        OpenOptions { naga: self.naga, validation: self.validation }
     }
 }
 
 impl DeviceArguments {
     /// Opens the device that was asked for.
     pub fn open(&self) -> Result<Device, ExecError> {
-        // Looking for GPUs takes time, and a broken driver may not survive it.
-        let selection = self.device.to_lowercase();
-        if selection == "cpu" {
-            return Ok(Device::Cpu(CpuExecutor));
-        }
-        self.open.enumerate().open(&selection)
+        Device::open(&self.device, self.open.options())
     }
 }
 

@@ -93,10 +93,6 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
         Device::Cpu(cpu) => render_film(cpu, &prepared, &settings, budget, &interrupted, &mut display),
         Device::Gpu(gpu) => render_film(gpu.as_ref(), &prepared, &settings, budget, &interrupted, &mut display),
     }?;
-    if outcome.samples == 0 {
-        say("interrupted before the first sample: no picture to write".to_owned());
-        return Ok(Ending::Interrupted);
-    }
     say(summary(&outcome, &film));
 
     let mut header = vec![

@@ -2,7 +2,7 @@
 
 use super::ExecError;
 use super::cpu::CpuExecutor;
-use super::gpu::{GpuExecutor, ShaderPath};
+use super::gpu::{GpuExecutor, ShaderPath, largest_buffer};
 
 /// Storage buffers that a kernel may bind, at most: the number that every implementation of WebGPU grants.
 pub const STORAGE_BUFFERS: u32 = 8;
@@ -16,6 +16,20 @@ pub enum Device {
 }
 
 impl Device {
+    /// Opens the device that `selection` names, whatever the case: `cpu`; `gpu`, the best GPU, a software one if there is no
+    /// other; `auto`, the best real GPU, else the CPU; or a part of a device's name.
+    ///
+    /// # Errors
+    /// If there is no such device, or it cannot run the kernels.
+    pub fn open(selection: &str, options: OpenOptions) -> Result<Self, ExecError> {
+        let selection = selection.to_lowercase();
+        if selection == "cpu" {
+            // Looking for GPUs takes time, and a broken driver may not survive it.
+            return Ok(Self::Cpu(CpuExecutor));
+        }
+        Devices::enumerate(options).open(&selection)
+    }
+
     /// What to call it.
     pub fn name(&self) -> String {
         match self {
@@ -83,7 +97,6 @@ impl Devices {
     pub fn list(&self) -> Vec<DeviceInfo> {
         let gpus = self.adapters.iter().map(|adapter| {
             let info = adapter.get_info();
-            let limits = adapter.limits();
             DeviceInfo {
                 name: info.name,
                 kind: match info.device_type {
@@ -98,7 +111,7 @@ impl Devices {
                     ShaderPath::Passthrough => "SPIR-V",
                     ShaderPath::Naga => "through naga",
                 },
-                buffer_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+                buffer_bytes: largest_buffer(&adapter.limits()),
                 unsuitable: unsuitable(adapter),
             }
         });
@@ -113,13 +126,11 @@ impl Devices {
         gpus.chain([cpu]).collect()
     }
 
-    /// Opens the device that `selection` names: `cpu`; `gpu`, the best GPU, a software one if there is no other; `auto`, the best
-    /// real GPU, else the CPU; or a part of a device's name, whatever the case.
-    pub fn open(&self, selection: &str) -> Result<Device, ExecError> {
+    /// [`Device::open`] of anything but the CPU; `selection` is in lower case.
+    fn open(&self, selection: &str) -> Result<Device, ExecError> {
         let is_real = |adapter: &&wgpu::Adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu;
         let is_suitable = |adapter: &&wgpu::Adapter| unsuitable(adapter).is_none();
         match selection {
-            "cpu" => Ok(Device::Cpu(CpuExecutor)),
             "auto" => match self.adapters.iter().filter(is_real).find(is_suitable) {
                 Some(adapter) => self.open_adapter(adapter).or_else(|error| {
                     tracing::warn!("{error}");
@@ -132,9 +143,7 @@ impl Devices {
                 None => Err(ExecError::NoGpu),
             },
             name => {
-                let wanted = name.to_lowercase();
-                let found =
-                    self.adapters.iter().find(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted));
+                let found = self.adapters.iter().find(|adapter| adapter.get_info().name.to_lowercase().contains(name));
                 match found {
                     Some(adapter) => self.open_adapter(adapter),
                     None => Err(ExecError::NoSuchDevice {

@@ -247,6 +247,12 @@ impl GpuExecutor {
     }
 }
 
+/// Bytes of the largest buffer that can be bound whole.
+pub(super) fn largest_buffer(limits: &wgpu::Limits) -> u64 {
+    // Bindings are whole multiples of 4 bytes, which 2 GiB - 1, a common limit, is not.
+    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / 256 * 256
+}
+
 fn record(failure: &Mutex<Option<String>>, message: String) {
     // The first report is the cause; what follows are its consequences.
     failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
@@ -257,8 +263,7 @@ impl Executor for GpuExecutor {
 
     fn limits(&self) -> Limits {
         Limits {
-            // Bindings are whole multiples of 4 bytes, which 2 GiB - 1, a common limit, is not.
-            buffer_bytes: self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size) / 256 * 256,
+            buffer_bytes: largest_buffer(&self.limits),
             alignment: u64::from(self.limits.min_storage_buffer_offset_alignment),
         }
     }

@@ -32,6 +32,7 @@ pub use exr_write::write_layers;
 pub use format::Format;
 pub use layers::{Channel, LayeredImage};
 pub use png::write_png;
+pub(crate) use tone::srgb_decode;
 pub use tone::{Display, ToneMap};
 
 use crate::film::Film;

@@ -40,7 +40,11 @@ pub(super) fn read_color(path: &Path) -> Result<ColorImage, ImageError> {
         e => ImageError::Broken { path: path.to_owned(), format: "PNG", reason: e.to_string() },
     })?;
     let (width, height) = (image.width(), image.height());
-    let pixels = image.into_rgb32f().pixels().map(|p| Vec3::from_array(p.0.map(srgb_decode))).collect();
+    let pixels = image
+        .into_rgb32f()
+        .pixels()
+        .map(|p| Vec3::from_array(p.0.map(|encoded| srgb_decode(f64::from(encoded)) as f32)))
+        .collect();
     Ok(ColorImage { width, height, pixels })
 }
 

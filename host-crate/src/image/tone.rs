@@ -68,7 +68,7 @@ pub(super) fn srgb_encode(linear: f32) -> f32 {
 }
 
 /// The linear value of an sRGB value in 0..=1.
-pub(super) fn srgb_decode(encoded: f32) -> f32 {
+pub(crate) fn srgb_decode(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
@@ -87,7 +87,7 @@ mod tests {
         let darker = Display { exposure: -2.0, ..CLIP };
         assert_eq!(darker.srgb8(Vec3::splat(2.0)), [188; 3]);
         for code in 0..=255_u8 {
-            let linear = srgb_decode(f32::from(code) / 255.0);
+            let linear = srgb_decode(f64::from(code) / 255.0) as f32;
             assert_eq!(CLIP.srgb8(Vec3::splat(linear)), [code; 3], "decoding undoes encoding");
         }
     }

@@ -21,7 +21,7 @@ pub struct Progress {
     pub paths: u64,
     /// Paths that the budget's samples make, if it has any.
     pub total_paths: Option<u64>,
-    /// Rays traced up to some recent moment, and the paths they belong to.
+    /// Rays traced, estimated from a count of at most about a second ago; 0 before the first.
     pub rays: u64,
     /// Since the first sample.
     pub elapsed: Duration,
