@@ -1,7 +1,8 @@
 //! The film on the host: what was measured of every pixel, in rows from the top left.
 
 use glam::Vec3;
-use raystream_shaders::film::{FeaturePixel, FilmPixel};
+use raystream_shaders::features::FeaturePixel;
+use raystream_shaders::film::FilmPixel;
 
 /// Sums over the samples of each pixel, and what follows from them.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,17 +60,17 @@ impl Film {
 
     /// Mean reflectance of the first surface; black where the camera sees none.
     pub fn albedo(&self) -> Vec<Vec3> {
-        self.of_features(|f, samples| mean(f.albedo, samples))
+        self.of_features(|f| mean(f.albedo, f.samples))
     }
 
     /// Mean shading normal of the first surface, towards the camera.
     pub fn normal(&self) -> Vec<Vec3> {
-        self.of_features(|f, samples| mean(f.normal, samples))
+        self.of_features(|f| mean(f.normal, f.samples))
     }
 
     /// Mean position of the first surface over the samples that hit one, in world units.
     pub fn position(&self) -> Vec<Vec3> {
-        self.of_features(|f, _| mean(f.position, f.hits))
+        self.of_features(|f| mean(f.position, f.hits))
     }
 
     /// Mean distance to the first surface over the samples that hit one, in world units.
@@ -82,8 +83,8 @@ impl Film {
         self.radiance.iter().map(|p| p.samples).collect()
     }
 
-    fn of_features(&self, value: impl Fn(&FeaturePixel, u32) -> Vec3) -> Vec<Vec3> {
-        self.features.iter().zip(&self.radiance).map(|(f, p)| value(f, p.samples)).collect()
+    fn of_features(&self, value: impl Fn(&FeaturePixel) -> Vec3) -> Vec<Vec3> {
+        self.features.iter().map(value).collect()
     }
 }
 

@@ -8,7 +8,7 @@ use crate::device_struct;
 use crate::glam::Vec3;
 
 device_struct! {
-    /// What one path brought. 80 bytes.
+    /// What one path brought. 32 bytes.
     pub struct Contribution {
         /// Estimated radiance, linear Rec.709.
         pub radiance: Vec3,
@@ -16,20 +16,8 @@ device_struct! {
         pub rays: u32,
         /// `radiance` squared by component. Squared where it is made, so that the film only ever adds.
         pub squared: Vec3,
-        /// 1 if the camera ray hit a surface, else 0 and the features are zero.
-        pub hits: u32,
-        /// Reflectance of the first surface, linear Rec.709.
-        pub albedo: Vec3,
-        /// Distance from the camera to the first surface, in world units.
-        pub depth: f32,
-        /// Shading normal of the first surface, towards the camera; unit length.
-        pub normal: Vec3,
         /// Unused; zero.
-        pub pad0: u32,
-        /// Position of the first surface, in world units.
-        pub position: Vec3,
-        /// Unused; zero.
-        pub pad1: u32,
+        pub pad: u32,
     }
 }
 
@@ -53,24 +41,6 @@ device_struct! {
 }
 
 device_struct! {
-    /// The first-hit features of one pixel: sums over its samples. 48 bytes.
-    pub struct FeaturePixel {
-        /// Sum of reflectance.
-        pub albedo: Vec3,
-        /// Samples whose camera ray hit a surface.
-        pub hits: u32,
-        /// Sum of shading normals.
-        pub normal: Vec3,
-        /// Sum of distances from the camera.
-        pub depth: f32,
-        /// Sum of positions.
-        pub position: Vec3,
-        /// Unused; zero.
-        pub pad: u32,
-    }
-}
-
-device_struct! {
     /// The parameters of accumulation over one window: pixel `lane` owns the slots
     /// `lane * samples ..` of it. 16 bytes.
     pub struct AccumulateWindow {
@@ -86,16 +56,9 @@ device_struct! {
 }
 
 /// Kernel: adds to the pixel `lane` of a window its run of contributions, in slot order.
-pub fn accumulate_runs(
-    lane: u32,
-    window: &AccumulateWindow,
-    contributions: &[Contribution],
-    film: &mut FilmPixel,
-    features: &mut FeaturePixel,
-) {
+pub fn accumulate_runs(lane: u32, window: &AccumulateWindow, contributions: &[Contribution], film: &mut FilmPixel) {
     let first = lane * window.samples;
     let mut radiance = *film;
-    let mut first_hit = *features;
     let mut k = 0;
     while k < window.samples {
         let c = contributions[(first + k) as usize];
@@ -106,15 +69,9 @@ pub fn accumulate_runs(
             radiance.odd_sum += c.radiance;
         }
         radiance.samples += 1;
-        first_hit.albedo += c.albedo;
-        first_hit.hits += c.hits;
-        first_hit.normal += c.normal;
-        first_hit.depth += c.depth;
-        first_hit.position += c.position;
         k += 1;
     }
     *film = radiance;
-    *features = first_hit;
 }
 
 device_struct! {

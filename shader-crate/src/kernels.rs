@@ -45,7 +45,17 @@ macro_rules! for_each_kernel {
                 uniform 0 parameters: $crate::film::AccumulateWindow,
                 read 1 contributions: $crate::film::Contribution,
                 write 2 film: $crate::film::FilmPixel,
-                write 3 features: $crate::film::FeaturePixel,
+            }
+            /// Traces camera rays for the features that pixels lack.
+            first_hits[64] = $crate::features::first_hits {
+                uniform 0 parameters: $crate::features::FeatureParams,
+                read 1 nodes: $crate::glam::UVec4,
+                read 2 triangles: $crate::glam::UVec4,
+                read 3 attributes: $crate::surface::Attributes,
+                read 4 materials: $crate::material::Material,
+                read 5 lights: $crate::light::Light,
+                read 6 texels: u32,
+                write 7 features: $crate::features::FeaturePixel,
             }
             /// Counts the rays that the film's samples took.
             count_rays[64] = $crate::film::count_rays {

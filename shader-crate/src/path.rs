@@ -107,28 +107,11 @@ struct Path {
     /// What has been gathered.
     radiance: Vec3,
     rays: u32,
-    first_hit: FirstHit,
-}
-
-/// The features of the film.
-struct FirstHit {
-    albedo: Vec3,
-    normal: Vec3,
-    position: Vec3,
-    depth: f32,
-    hits: u32,
 }
 
 impl Path {
     fn new(ray: Ray) -> Self {
-        Self {
-            ray,
-            throughput: Vec3::ONE,
-            pdf: 0.0,
-            radiance: Vec3::ZERO,
-            rays: 0,
-            first_hit: FirstHit { albedo: Vec3::ZERO, normal: Vec3::ZERO, position: Vec3::ZERO, depth: 0.0, hits: 0 },
-        }
+        Self { ray, throughput: Vec3::ONE, pdf: 0.0, radiance: Vec3::ZERO, rays: 0 }
     }
 
     /// Traces segment number `depth` (from 1) and picks the next; false where the path ends.
@@ -142,15 +125,6 @@ impl Path {
             return false;
         }
         let surface = Surface::at(scene, &self.ray, &hit);
-        if depth == 1 {
-            self.first_hit = FirstHit {
-                albedo: surface.material.reflectance,
-                normal: surface.normal,
-                position: surface.point.position,
-                depth: hit.t,
-                hits: 1,
-            };
-        }
         if surface.from_front && surface.material.emits() {
             let weight = self.emission_weight(params, &surface, hit.t);
             self.radiance += self.throughput * surface.material.emission * weight;
@@ -232,18 +206,7 @@ impl Path {
     }
 
     fn contribution(&self) -> Contribution {
-        Contribution {
-            radiance: self.radiance,
-            rays: self.rays,
-            squared: self.radiance * self.radiance,
-            hits: self.first_hit.hits,
-            albedo: self.first_hit.albedo,
-            depth: self.first_hit.depth,
-            normal: self.first_hit.normal,
-            pad0: 0,
-            position: self.first_hit.position,
-            pad1: 0,
-        }
+        Contribution { radiance: self.radiance, rays: self.rays, squared: self.radiance * self.radiance, pad: 0 }
     }
 }
 

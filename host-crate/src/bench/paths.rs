@@ -48,7 +48,7 @@ pub fn measure<E: Executor>(
             "the picture's halves differ by {difference:.3e}, its mean is {mean:.4}, the standard error {error:.1e}"
         )));
     }
-    let paths = f64::from(outcome.samples) * pixels;
+    let paths = outcome.paths as f64;
     let rays = (outcome.rays - warm_up.rays) as f64;
     let seconds = outcome.elapsed.as_secs_f64();
     Ok(PathSpeed {

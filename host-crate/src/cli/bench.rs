@@ -128,8 +128,8 @@ fn bench_paths(time: Duration, device: &Device, scene: &PreparedScene, settings:
     let timings = speed.outcome.timings;
     let share = |part: Duration| 100.0 * part.as_secs_f64() / speed.outcome.elapsed.as_secs_f64();
     print_line(&format!(
-        "    {:.3} Mpaths/s, {:.2} Mrays/s, {:.2} rays a path, {} samples, mean {:.6}",
-        speed.mpaths_per_second, speed.mrays_per_second, speed.rays_per_path, speed.outcome.samples, speed.mean
+        "    {:.3} Mpaths/s, {:.2} Mrays/s, {:.2} rays a path, {} paths, mean {:.6}",
+        speed.mpaths_per_second, speed.mrays_per_second, speed.rays_per_path, speed.outcome.paths, speed.mean
     ))?;
     print_line(&format!(
         "    tracing {:.1} %, generation {:.2} %, accumulation {:.2} % of {:.2} s",

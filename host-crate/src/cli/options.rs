@@ -3,7 +3,7 @@
 use super::output::say;
 use crate::exec::ExecError;
 use crate::exec::device::{Device, OpenOptions};
-use crate::render::{BvhQuality, PreparedScene, Settings, Techniques};
+use crate::render::{BvhQuality, PreparedScene, Sampling, Settings, Techniques};
 use crate::scene::{self, FilmSize, Scene, SceneError};
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
@@ -116,6 +116,7 @@ impl SettingsArguments {
             techniques: Techniques::Both,
             background: Vec3::ZERO,
             ray_offset: self.ray_offset,
+            sampling: Sampling::UNIFORM,
         }
     }
 

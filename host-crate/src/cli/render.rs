@@ -98,7 +98,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let mut header = vec![
         ("scene".to_owned(), name),
         ("device".to_owned(), device.name()),
-        ("samples".to_owned(), outcome.samples.to_string()),
+        ("samples".to_owned(), average_samples(&outcome, &film).to_string()),
         ("seconds".to_owned(), format!("{:.3}", outcome.elapsed.as_secs_f64())),
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
     ];
@@ -134,14 +134,18 @@ fn render_film<E: Executor>(
 
 fn summary(outcome: &Outcome, film: &Film) -> String {
     let seconds = outcome.elapsed.as_secs_f64().max(1e-9);
-    let paths = f64::from(outcome.samples) * film.radiance.len() as f64;
     format!(
         "{}{} samples per pixel in {seconds:.2} s: {}samples/s, {}rays/s",
         if outcome.interrupted { "interrupted after " } else { "" },
-        outcome.samples,
-        rate(paths / seconds),
+        average_samples(outcome, film),
+        rate(outcome.paths as f64 / seconds),
         rate(outcome.rays as f64 / seconds)
     )
+}
+
+/// Samples per pixel; an average, to two digits after the point.
+fn average_samples(outcome: &Outcome, film: &Film) -> f64 {
+    (outcome.paths as f64 / film.radiance.len() as f64 * 100.0).round() / 100.0
 }
 
 /// A flag that the first Ctrl-C (or SIGTERM) sets; the second ends the program at once.

@@ -86,7 +86,8 @@ pub(super) mod tests {
     use crate::film::Film;
     use crate::image::{ColorImage, Display, read_color, read_layers, read_settings, write_color, write_film};
     use glam::Vec3;
-    use raystream_shaders::film::{FeaturePixel, FilmPixel};
+    use raystream_shaders::features::FeaturePixel;
+    use raystream_shaders::film::FilmPixel;
 
     /// A film whose every number differs; pixel 0 has no sample, pixel 1 only one.
     pub fn film(width: u32, height: u32) -> Film {
@@ -104,7 +105,7 @@ pub(super) mod tests {
             normal: -vector(i, 5),
             depth: i as f32 / 3.0,
             position: vector(i, 6),
-            ..Default::default()
+            samples: i,
         };
         let pixels = width * height;
         Film {

@@ -41,11 +41,7 @@ impl Uniform {
         Launch::new(
             &kernels::accumulate_runs,
             &AccumulateWindow { threads: window.end - window.start, samples: self.samples, pad0: 0, pad1: 0 },
-            vec![
-                contributions.slice(0..self.slots(window) as usize),
-                band.film.slice(pixels(window)),
-                band.features.slice(pixels(window)),
-            ],
+            vec![contributions.slice(0..self.slots(window) as usize), band.film.slice(pixels(window))],
         )
     }
 }

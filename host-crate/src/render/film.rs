@@ -4,7 +4,8 @@ use crate::exec::{Array, ExecError, Executor};
 use crate::film::Film;
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
-use raystream_shaders::film::{FeaturePixel, FilmPixel};
+use raystream_shaders::features::FeaturePixel;
+use raystream_shaders::film::FilmPixel;
 use raystream_shaders::tiles::{TILE, pixel_of_rank};
 use std::ops::Range;
 

@@ -1,10 +1,13 @@
 //! Integrators: how the contributions of a stream's slots are computed.
 
 use super::SceneBuffers;
+use super::film::Band;
 use crate::exec::{Array, Launch, kernels};
+use raystream_shaders::features::FeatureParams;
 use raystream_shaders::film::Contribution;
 use raystream_shaders::path::PathParams;
 use raystream_shaders::stream::Slot;
+use std::ops::Range;
 
 /// The integrator `megakernel`: one thread walks one path to its end.
 pub fn megakernel<'a, B>(
@@ -26,6 +29,35 @@ pub fn megakernel<'a, B>(
             scene.lights.view(),
             scene.texels.view(),
             contributions.slice(0..threads),
+        ],
+    )
+}
+
+/// Camera rays for the first-hit features of the pixels of a window, until each has `samples`.
+pub fn first_hits<'a, B>(
+    scene: &'a SceneBuffers<B>,
+    parameters: &PathParams,
+    band: &'a Band<B>,
+    window: &Range<u32>,
+    samples: u32,
+) -> Launch<'a, B> {
+    Launch::new(
+        &kernels::first_hits,
+        &FeatureParams {
+            threads: window.end - window.start,
+            first_rank: band.first_rank + window.start,
+            samples,
+            pad: 0,
+            path: *parameters,
+        },
+        vec![
+            scene.nodes.view(),
+            scene.triangles.view(),
+            scene.attributes.view(),
+            scene.materials.view(),
+            scene.lights.view(),
+            scene.texels.view(),
+            band.features.slice(window.start as usize..window.end as usize),
         ],
     )
 }

@@ -13,10 +13,12 @@ mod lights;
 pub mod prepare;
 mod renderer;
 pub mod run;
+mod sampling;
 mod scene_buffers;
 
 pub use bvh::BvhQuality;
 pub use prepare::PreparedScene;
 pub use renderer::{Renderer, Settings, Techniques, Timings};
 pub use run::{Budget, Outcome, Progress, RenderError, run};
+pub use sampling::{AllocatorKind, Estimator, Sampling};
 pub use scene_buffers::SceneBuffers;

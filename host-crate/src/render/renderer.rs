@@ -4,13 +4,14 @@ use super::allocator::Uniform;
 use super::batch::BatchSize;
 use super::camera::camera;
 use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
-use super::integrator::megakernel;
-use super::{PreparedScene, SceneBuffers};
+use super::integrator::{first_hits, megakernel};
+use super::{PreparedScene, Sampling, SceneBuffers};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::film::Film;
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use glam::Vec3;
+use raystream_shaders::features::FEATURE_SAMPLES;
 use raystream_shaders::film::{Contribution, CountParams};
 use raystream_shaders::path::{self, PathParams};
 use raystream_shaders::sampler;
@@ -38,6 +39,8 @@ pub struct Settings {
     /// How far rays start from surfaces, in roundings of the surface's largest coordinate (2^-24 of it each): enough that no
     /// surface shades itself, and no more, since what is smaller than this distance casts no shadow.
     pub ray_offset: f32,
+    /// Which pixels get how many samples.
+    pub sampling: Sampling,
 }
 
 /// How light is looked for. All are unbiased where every technique can find all light; they differ in noise.
@@ -55,7 +58,11 @@ pub enum Techniques {
 /// Where a render's time went, by the device's clock.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Timings {
-    /// Making sample streams.
+    /// Tracing camera rays for the first-hit features.
+    pub features: Duration,
+    /// Filtering and estimating errors.
+    pub estimation: Duration,
+    /// Making sample streams of errors.
     pub generation: Duration,
     /// Tracing paths.
     pub tracing: Duration,
@@ -65,6 +72,8 @@ pub struct Timings {
 
 impl AddAssign for Timings {
     fn add_assign(&mut self, other: Self) {
+        self.features += other.features;
+        self.estimation += other.estimation;
         self.generation += other.generation;
         self.tracing += other.tracing;
         self.accumulation += other.accumulation;
@@ -81,9 +90,13 @@ pub struct Renderer<'e, E: Executor> {
     contributions: Array<E::Buffer, Contribution>,
     batch: BatchSize,
     ray_counts: Array<E::Buffer, u32>,
+    /// Paths traced so far.
+    paths: u64,
+    /// Camera rays of each pixel's features.
+    feature_samples: u32,
 }
 
-/// Slots of the largest batch: 2^22 contributions are 336 MB, and four million paths fill any GPU.
+/// Slots of the largest batch: 2^22 contributions are 134 MB, and four million paths fill any GPU.
 const MAX_BATCH: u32 = 1 << 22;
 /// Threads that count rays.
 const COUNTERS: u32 = 4096;
@@ -103,6 +116,8 @@ impl<'e, E: Executor> Renderer<'e, E> {
             slots,
             contributions,
             ray_counts: Array::zeroed(executor, "ray counts", COUNTERS as usize)?,
+            paths: 0,
+            feature_samples: 0,
         })
     }
 
@@ -127,7 +142,41 @@ impl<'e, E: Executor> Renderer<'e, E> {
             timings += self.pass(allocator, after_batch)?;
             left -= allocator.samples;
         }
+        self.paths += u64::from(samples) * u64::from(self.pixels());
+        timings.features += self.trace_features()?;
         Ok(timings)
+    }
+
+    /// Renders the next round, of at most `paths_left` paths (at least as many as pixels before the first): first a uniform one of
+    /// [`Sampling::initial_samples`], then what the allocator makes of the errors. `after_batch` is called with the number of paths that each
+    /// batch has traced.
+    pub fn step(&mut self, paths_left: u64, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
+        let samples_left = (paths_left / u64::from(self.pixels())).clamp(1, u64::from(u32::MAX)) as u32;
+        self.round(self.samples_of_one_batch().min(samples_left), after_batch)
+    }
+
+    /// Paths traced so far.
+    pub fn paths(&self) -> u64 {
+        self.paths
+    }
+
+    /// Brings the features of every pixel to as many camera rays as a pixel has samples on average, at most [`FEATURE_SAMPLES`].
+    fn trace_features(&mut self) -> Result<Duration, ExecError> {
+        let mut time = Duration::ZERO;
+        let samples = (self.paths / u64::from(self.pixels())).min(u64::from(FEATURE_SAMPLES)) as u32;
+        if samples == self.feature_samples {
+            return Ok(time);
+        }
+        for band in self.film.bands() {
+            let mut next = 0;
+            while let Some(window) = band.window(next, self.batch.slots()) {
+                let launch = first_hits(&self.scene, &self.parameters, band, &window, samples);
+                time += self.executor.run(&[launch])?.iter().sum::<Duration>();
+                next = window.end;
+            }
+        }
+        self.feature_samples = samples;
+        Ok(time)
     }
 
     fn pass(&mut self, allocator: Uniform, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
@@ -148,7 +197,8 @@ impl<'e, E: Executor> Renderer<'e, E> {
                     allocator.accumulate(band, &window, &self.contributions),
                 ])?;
                 self.batch.record(threads, start.elapsed());
-                timings += Timings { generation: times[0], tracing: times[1], accumulation: times[2] };
+                timings +=
+                    Timings { generation: times[0], tracing: times[1], accumulation: times[2], ..Timings::default() };
                 after_batch(threads);
                 next = window.end;
             }

@@ -32,9 +32,9 @@ pub struct Progress {
 /// How a render ended.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
-    /// Samples of every pixel.
-    pub samples: u32,
-    /// Rays traced.
+    /// Paths traced in this run.
+    pub paths: u64,
+    /// Rays traced, those of earlier runs with this renderer included.
     pub rays: u64,
     /// From the first sample to the last.
     pub elapsed: Duration,
@@ -74,40 +74,35 @@ pub fn run<E: Executor>(
 ) -> Result<Outcome, RenderError> {
     let start = Instant::now();
     let pixels = u64::from(renderer.pixels());
-    let mut progress = Progress {
-        paths: 0,
-        total_paths: budget.samples.map(|samples| u64::from(samples) * pixels),
-        rays: 0,
-        elapsed: Duration::ZERO,
-        time: budget.time,
-    };
-    let mut samples = 0;
+    let total_paths = budget.samples.map(|samples| u64::from(samples) * pixels);
+    let mut progress = Progress { paths: 0, total_paths, rays: 0, elapsed: Duration::ZERO, time: budget.time };
     let mut timings = Timings::default();
     let mut last_count = start;
     let mut rays_per_path = 0.0;
+    let paths_before = renderer.paths();
     let interrupted = loop {
-        let left = budget.samples.map_or(u32::MAX, |total| total - samples);
-        let spent = budget.time.is_some_and(|time| samples > 0 && start.elapsed() >= time);
+        let paths = renderer.paths() - paths_before;
+        let left = total_paths.map_or(u64::MAX, |total| total - paths);
+        let spent = budget.time.is_some_and(|time| paths > 0 && start.elapsed() >= time);
         if left == 0 || spent {
             break false;
         }
         // Without a single sample there is nothing to write.
-        if samples > 0 && interrupted() {
+        if paths > 0 && interrupted() {
             break true;
         }
-        let round = renderer.samples_of_one_batch().min(left);
-        timings += renderer.round(round, &mut |paths| {
+        timings += renderer.step(left, &mut |paths| {
             progress.paths += u64::from(paths);
             progress.elapsed = start.elapsed();
             progress.rays = (progress.paths as f64 * rays_per_path) as u64;
             observe(&progress);
         })?;
-        samples += round;
         if last_count.elapsed() >= RAY_COUNT_INTERVAL || rays_per_path == 0.0 {
-            rays_per_path = renderer.rays()? as f64 / progress.paths as f64;
+            rays_per_path = renderer.rays()? as f64 / renderer.paths() as f64;
             last_count = Instant::now();
         }
     };
     let elapsed = start.elapsed();
-    Ok(Outcome { samples, rays: renderer.rays()?, elapsed, timings, interrupted })
+    let paths = renderer.paths() - paths_before;
+    Ok(Outcome { paths, rays: renderer.rays()?, elapsed, timings, interrupted })
 }

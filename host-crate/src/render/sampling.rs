@@ -1,0 +1,58 @@
+//! How a render spends its samples.
+
+use clap::ValueEnum;
+
+/// How a render spends its samples: a first uniform round, then rounds of what the allocator makes of the estimated error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Who decides which pixels a round samples.
+    pub allocator: AllocatorKind,
+    /// What the error of a pixel is taken to be; `uniform` does not ask.
+    pub estimator: Estimator,
+    /// Whether errors are relative to the brightness of their pixel: dark places then count as much as bright ones.
+    pub relative: bool,
+    /// Samples per pixel of the first round, which is uniform; at least 2.
+    pub initial_samples: u32,
+    /// Samples of a later round, on average over the pixels; above 0. By default a quarter of what the pixels have, but at least 1.
+    pub round_budget: Option<f32>,
+    /// Estimated relative error (1 is as large as the picture) at which a pixel has converged and gets no more samples.
+    pub noise: Option<f32>,
+}
+
+/// Who decides which pixels a round samples; see [`crate::render::allocator`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, ValueEnum)]
+pub enum AllocatorKind {
+    /// Every pixel equally.
+    Uniform,
+    /// Streams of pixels whose error exceeds random thresholds (Podee et al.).
+    Paper,
+    /// In proportion to the error, slots and sums by atomics (Podee et al., equation 2).
+    Atomic,
+    /// In proportion to the error, each pixel a run of consecutive slots.
+    #[default]
+    Runs,
+}
+
+/// What the error of a pixel is taken to be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, ValueEnum)]
+pub enum Estimator {
+    /// The squared difference from the picture after a joint bilateral filter (Podee et al.).
+    #[default]
+    Bilateral,
+    /// The squared difference of the means over even and over odd samples.
+    Halves,
+    /// The variance of the pixel's mean.
+    Variance,
+}
+
+impl Sampling {
+    /// Every pixel equally.
+    pub const UNIFORM: Self = Self {
+        allocator: AllocatorKind::Uniform,
+        estimator: Estimator::Variance,
+        relative: false,
+        initial_samples: 5,
+        round_budget: None,
+        noise: None,
+    };
+}
