@@ -6,7 +6,6 @@
 use crate::bvh::BvhView;
 use crate::device_struct;
 use crate::glam::{UVec4, Vec3};
-use crate::light::{Light, LightView};
 use crate::material::Material;
 use crate::path::PathParams;
 use crate::sampler::{PIXEL, SampleStream};
@@ -61,7 +60,6 @@ pub fn first_hits(
     triangles: &[UVec4],
     attributes: &[Attributes],
     materials: &[Material],
-    lights: &[Light],
     texels: &[u32],
     features: &mut FeaturePixel,
 ) {
@@ -69,7 +67,6 @@ pub fn first_hits(
         bvh: BvhView::new(nodes, triangles),
         attributes,
         materials,
-        lights: LightView::new(lights, params.path.lights),
         offset_roundings: params.path.offset_roundings,
         textures: TextureView::new(texels),
     };

@@ -6,6 +6,7 @@
 
 use crate::device_struct;
 use crate::glam::Vec3;
+use crate::stream::{RunWindow, Runs};
 
 device_struct! {
     /// What one path brought. 32 bytes.
@@ -19,6 +20,11 @@ device_struct! {
         /// Unused; zero.
         pub pad: u32,
     }
+}
+
+impl Contribution {
+    /// Of an empty slot.
+    pub const NOTHING: Self = Self { radiance: Vec3::ZERO, rays: 0, squared: Vec3::ZERO, pad: 0 };
 }
 
 device_struct! {
@@ -40,38 +46,39 @@ device_struct! {
     }
 }
 
-device_struct! {
-    /// The parameters of accumulation over one window: pixel `lane` owns the slots
-    /// `lane * samples ..` of it. 16 bytes.
-    pub struct AccumulateWindow {
-        /// Pixels in the window.
-        pub threads: u32,
-        /// Slots of each pixel.
-        pub samples: u32,
-        /// Unused; zero.
-        pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
+impl FilmPixel {
+    /// Adds the next sample. Nothing but additions of what lies in memory: no rounding depends on the device.
+    pub fn add(&mut self, contribution: &Contribution) {
+        self.sum += contribution.radiance;
+        self.sum_of_squares += contribution.squared;
+        self.rays += contribution.rays;
+        if self.samples & 1 == 1 {
+            self.odd_sum += contribution.radiance;
+        }
+        self.samples += 1;
     }
 }
 
 /// Kernel: adds to the pixel `lane` of a window its run of contributions, in slot order.
-pub fn accumulate_runs(lane: u32, window: &AccumulateWindow, contributions: &[Contribution], film: &mut FilmPixel) {
-    let first = lane * window.samples;
-    let mut radiance = *film;
-    let mut k = 0;
-    while k < window.samples {
-        let c = contributions[(first + k) as usize];
-        radiance.sum += c.radiance;
-        radiance.sum_of_squares += c.squared;
-        radiance.rays += c.rays;
-        if radiance.samples & 1 == 1 {
-            radiance.odd_sum += c.radiance;
-        }
-        radiance.samples += 1;
-        k += 1;
+pub fn accumulate_runs(
+    lane: u32,
+    window: &RunWindow,
+    starts: &[u32],
+    contributions: &[Contribution],
+    film: &mut FilmPixel,
+) {
+    let runs = Runs::new(window, starts);
+    let mut slot = runs.start(lane);
+    let end = runs.start(lane + 1);
+    if slot == end {
+        return;
     }
-    *film = radiance;
+    let mut pixel = *film;
+    while slot < end {
+        pixel.add(&contributions[slot as usize]);
+        slot += 1;
+    }
+    *film = pixel;
 }
 
 device_struct! {

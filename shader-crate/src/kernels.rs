@@ -7,26 +7,40 @@
 //!     uniform 0 parameters: P,
 //!     read 1 slice: R, ...
 //!     write 2 element: W, ...
+//!     scatter 3 anywhere: S, ...
+//!     atomic 4 words, ...
 //! }
 //! ```
 //!
-//! and stands for `function(lane, &P, &[R] ..., &mut W ...)`: binding 0 is a uniform, then come the read-only
-//! storage buffers, then those of which lane `lane` owns the element `lane`. The row becomes
+//! and stands for `function(lane, &P, &[R] ..., &mut W ..., &mut Scatter<S> ..., &mut Atomics ...)`: binding 0 is a
+//! uniform, then come the storage buffers: the read-only ones, those of which lane `lane` owns the element `lane`, and
+//! those that lanes write at places of their choice (see [`crate::access`]). The row becomes
 //!
 //! - here, compiled for the GPU, the entry point `name`, which binds, checks `lane < P.threads` and calls;
 //! - in the host crate, a `Kernel`: the same facts as data, and a native loop over lanes for the CPU. It is safe Rust, because
 //!   an element that a lane owns is an element of a parallel iterator.
+//!
+//! A row `name[workgroup size] phased(phases, words) = function { ... }` is a kernel whose lanes cooperate, see
+//! [`crate::prefix`]: `function(phase, Lane, &P, ..., &mut [u32; words])` is called for every phase, with the workgroup's memory as the
+//! last argument. The GPU calls it for its own lane and puts a barrier after each phase; the CPU calls it for all
+//! lanes of a workgroup in turn. Such a kernel has no `write` bindings.
 
 /// Calls the macro `$with` with all rows; see the [module](self).
 #[macro_export]
 macro_rules! for_each_kernel {
     ($with:ident) => {
         $with! {
-            /// Fills a window of the sample stream with the same number of slots for every pixel.
-            uniform_stream[64] = $crate::stream::uniform_stream {
-                uniform 0 parameters: $crate::stream::UniformWindow,
-                read 1 film: $crate::film::FilmPixel,
-                write 2 slots: $crate::stream::Slot,
+            /// Fills the part of a stream of runs that belongs to a window of pixels.
+            fill_runs[64] = $crate::stream::fill_runs {
+                uniform 0 parameters: $crate::stream::RunWindow,
+                read 1 starts: u32,
+                read 2 film: $crate::film::FilmPixel,
+                write 3 slots: $crate::stream::Slot,
+            }
+            /// Empties a stream.
+            clear_slots[64] = $crate::stream::clear_slots {
+                uniform 0 parameters: $crate::stream::RunWindow,
+                write 1 slots: $crate::stream::Slot,
             }
             /// Traces the paths of a stream, each to its end by one thread.
             trace_paths[64] = $crate::path::trace_paths {
@@ -42,9 +56,10 @@ macro_rules! for_each_kernel {
             }
             /// Adds a window's contributions to the film, every pixel its own run.
             accumulate_runs[64] = $crate::film::accumulate_runs {
-                uniform 0 parameters: $crate::film::AccumulateWindow,
-                read 1 contributions: $crate::film::Contribution,
-                write 2 film: $crate::film::FilmPixel,
+                uniform 0 parameters: $crate::stream::RunWindow,
+                read 1 starts: u32,
+                read 2 contributions: $crate::film::Contribution,
+                write 3 film: $crate::film::FilmPixel,
             }
             /// Traces camera rays for the features that pixels lack.
             first_hits[64] = $crate::features::first_hits {
@@ -53,15 +68,119 @@ macro_rules! for_each_kernel {
                 read 2 triangles: $crate::glam::UVec4,
                 read 3 attributes: $crate::surface::Attributes,
                 read 4 materials: $crate::material::Material,
-                read 5 lights: $crate::light::Light,
-                read 6 texels: u32,
-                write 7 features: $crate::features::FeaturePixel,
+                read 5 texels: u32,
+                write 6 features: $crate::features::FeaturePixel,
             }
             /// Counts the rays that the film's samples took.
             count_rays[64] = $crate::film::count_rays {
                 uniform 0 parameters: $crate::film::CountParams,
                 read 1 film: $crate::film::FilmPixel,
                 write 2 rays: u32,
+            }
+            /// Adds up each block of numbers.
+            sum_blocks[256] phased($crate::prefix::SUM_PHASES, 512) = $crate::prefix::sum_blocks {
+                uniform 0 parameters: $crate::prefix::BlockParams,
+                read 1 values: u32,
+                scatter 2 sums: u32,
+            }
+            /// Turns the sums of blocks into those of all blocks before each.
+            scan_blocks[256] phased($crate::prefix::SCAN_PHASES, 512) = $crate::prefix::scan_blocks {
+                uniform 0 parameters: $crate::prefix::BlockParams,
+                scatter 1 sums: u32,
+            }
+            /// Writes the places of what is to be kept, close together.
+            scatter_kept[256] phased($crate::compaction::SCATTER_PHASES, 512) = $crate::compaction::scatter_kept {
+                uniform 0 parameters: $crate::prefix::BlockParams,
+                read 1 keep: u32,
+                read 2 offsets: u32,
+                scatter 3 kept: u32,
+            }
+            /// Finds the largest exponent and the sum of each block of errors.
+            block_errors[256] phased($crate::error_scale::BLOCK_PHASES, 1024) = $crate::error_scale::block_errors {
+                uniform 0 parameters: $crate::prefix::BlockParams,
+                read 1 errors: f32,
+                scatter 2 blocks: $crate::error_scale::BlockErrors,
+            }
+            /// Puts the errors of all blocks together.
+            add_block_errors[256] phased($crate::error_scale::BLOCK_PHASES, 1024) = $crate::error_scale::add_block_errors {
+                uniform 0 parameters: $crate::prefix::BlockParams,
+                scatter 1 blocks: $crate::error_scale::BlockErrors,
+            }
+            /// Makes weights of errors.
+            weigh_errors[256] phased($crate::runs::WEIGH_PHASES, 512) = $crate::runs::weigh_errors {
+                uniform 0 parameters: $crate::runs::RunParams,
+                read 1 errors: f32,
+                read 2 totals: $crate::error_scale::BlockErrors,
+                scatter 3 weights: u32,
+                scatter 4 sums: u32,
+            }
+            /// Finds where the run of each pixel begins.
+            run_starts[256] phased($crate::runs::START_PHASES, 512) = $crate::runs::run_starts {
+                uniform 0 parameters: $crate::runs::RunParams,
+                read 1 weights: u32,
+                read 2 offsets: u32,
+                scatter 3 starts: u32,
+            }
+            /// Zeroes the counter of slots.
+            clear_counter[64] = $crate::atomic::clear_counter {
+                uniform 0 parameters: $crate::stream::RunWindow,
+                write 1 counter: u32,
+            }
+            /// Reserves and fills slots for each pixel.
+            reserve_slots[64] = $crate::atomic::reserve_slots {
+                uniform 0 parameters: $crate::stream::RunWindow,
+                read 1 starts: u32,
+                read 2 film: $crate::film::FilmPixel,
+                scatter 3 slots: $crate::stream::Slot,
+                atomic 4 counter,
+            }
+            /// Adds contributions to the film by atomics.
+            accumulate_atomic[64] = $crate::atomic::accumulate_atomic {
+                uniform 0 parameters: $crate::stream::RunWindow,
+                read 1 slots: $crate::stream::Slot,
+                read 2 contributions: $crate::film::Contribution,
+                atomic 3 film,
+            }
+            /// Copies the film's sample counts.
+            copy_counts[64] = $crate::paper::copy_counts {
+                uniform 0 parameters: $crate::paper::PaperParams,
+                read 1 film: $crate::film::FilmPixel,
+                write 2 counts: u32,
+            }
+            /// Begins the bisection of thresholds.
+            paper_begin[64] = $crate::paper::paper_begin {
+                uniform 0 parameters: $crate::paper::PaperParams,
+                scatter 1 states: $crate::paper::PaperState,
+            }
+            /// Selects the pixels of a stream.
+            paper_select[64] = $crate::paper::paper_select {
+                uniform 0 parameters: $crate::paper::PaperParams,
+                read 1 errors: f32,
+                read 2 totals: $crate::error_scale::BlockErrors,
+                read 3 states: $crate::paper::PaperState,
+                write 4 keep: u32,
+            }
+            /// Decides whether a stream is kept.
+            paper_decide[64] = $crate::paper::paper_decide {
+                uniform 0 parameters: $crate::paper::PaperParams,
+                read 1 offsets: u32,
+                scatter 2 states: $crate::paper::PaperState,
+            }
+            /// Appends a stream.
+            paper_append[64] = $crate::paper::paper_append {
+                uniform 0 parameters: $crate::paper::PaperParams,
+                read 1 states: $crate::paper::PaperState,
+                read 2 kept: u32,
+                scatter 3 counts: u32,
+                scatter 4 slots: $crate::stream::Slot,
+            }
+            /// Adds the contributions of a stream to the film.
+            paper_accumulate[64] = $crate::paper::paper_accumulate {
+                uniform 0 parameters: $crate::paper::PaperParams,
+                read 1 states: $crate::paper::PaperState,
+                read 2 slots: $crate::stream::Slot,
+                read 3 contributions: $crate::film::Contribution,
+                scatter 4 film: $crate::film::FilmPixel,
             }
             /// Makes the rays through pixel centres.
             primary_rays[64] = $crate::probe::primary_rays {
@@ -109,18 +228,43 @@ macro_rules! for_each_kernel {
 /// The entry points of the SPIR-V module.
 #[cfg(target_arch = "spirv")]
 pub mod entry_points {
+    use crate::access::{Atomics, Scatter};
     use crate::glam::UVec3;
+    use crate::prefix::Lane;
+    use spirv_std::arch::workgroup_memory_barrier_with_group_sync;
     use spirv_std::spirv;
 
     macro_rules! entry_points {
         ($(
             $(#[$doc:meta])*
+            $name:ident[$workgroup:tt] $(phased($phases:expr, $words:tt))? = $function:path {
+                uniform $uniform_binding:tt $parameters:ident: $Parameters:ty,
+                $($bindings:tt)*
+            }
+        )*) => {$(
+            entry_point! {
+                [$($phases, $words)?]
+                $(#[$doc])*
+                $name[$workgroup] = $function {
+                    uniform $uniform_binding $parameters: $Parameters,
+                    $($bindings)*
+                }
+            }
+        )*};
+    }
+
+    macro_rules! entry_point {
+        (
+            []
+            $(#[$doc:meta])*
             $name:ident[$workgroup:tt] = $function:path {
                 uniform $uniform_binding:tt $parameters:ident: $Parameters:ty,
                 $(read $read_binding:tt $read:ident: $Read:ty,)*
                 $(write $write_binding:tt $written:ident: $Written:ty,)*
+                $(scatter $scatter_binding:tt $scattered:ident: $Scattered:ty,)*
+                $(atomic $atomic_binding:tt $atomic:ident,)*
             }
-        )*) => {$(
+        ) => {
             $(#[$doc])*
             #[spirv(compute(threads($workgroup)))]
             pub fn $name(
@@ -129,14 +273,62 @@ pub mod entry_points {
                 #[spirv(uniform, descriptor_set = 0, binding = $uniform_binding)] $parameters: &$Parameters,
                 $(#[spirv(storage_buffer, descriptor_set = 0, binding = $read_binding)] $read: &[$Read],)*
                 $(#[spirv(storage_buffer, descriptor_set = 0, binding = $write_binding)] $written: &mut [$Written],)*
+                $(#[spirv(storage_buffer, descriptor_set = 0, binding = $scatter_binding)] $scattered: &mut [$Scattered],)*
+                $(#[spirv(storage_buffer, descriptor_set = 0, binding = $atomic_binding)] $atomic: &mut [u32],)*
             ) {
                 // A dimension of the grid holds 65535 workgroups, so larger launches are folded into rows.
                 let lane = invocation.y * workgroups.x * $workgroup + invocation.x;
                 if lane < $parameters.threads {
-                    $function(lane, $parameters, $($read,)* $(&mut $written[lane as usize],)*);
+                    $function(
+                        lane,
+                        $parameters,
+                        $($read,)*
+                        $(&mut $written[lane as usize],)*
+                        $(&mut Scatter::new($scattered),)*
+                        $(&mut Atomics::new($atomic),)*
+                    );
                 }
             }
-        )*};
+        };
+        (
+            [$phases:expr, $words:tt]
+            $(#[$doc:meta])*
+            $name:ident[$workgroup:tt] = $function:path {
+                uniform $uniform_binding:tt $parameters:ident: $Parameters:ty,
+                $(read $read_binding:tt $read:ident: $Read:ty,)*
+                $(scatter $scatter_binding:tt $scattered:ident: $Scattered:ty,)*
+            }
+        ) => {
+            $(#[$doc])*
+            #[spirv(compute(threads($workgroup)))]
+            pub fn $name(
+                #[spirv(workgroup_id)] place: UVec3,
+                #[spirv(local_invocation_index)] index: u32,
+                #[spirv(num_workgroups)] workgroups: UVec3,
+                #[spirv(uniform, descriptor_set = 0, binding = $uniform_binding)] $parameters: &$Parameters,
+                $(#[spirv(storage_buffer, descriptor_set = 0, binding = $read_binding)] $read: &[$Read],)*
+                $(#[spirv(storage_buffer, descriptor_set = 0, binding = $scatter_binding)] $scattered: &mut [$Scattered],)*
+                #[spirv(workgroup)] memory: &mut [u32; $words],
+            ) {
+                let group = place.y * workgroups.x + place.x;
+                // The same for all lanes of a workgroup, so that all or none meet the barriers.
+                if group * $workgroup < $parameters.threads {
+                    let mut phase = 0;
+                    while phase < $phases {
+                        $function(
+                            phase,
+                            Lane { group, index },
+                            $parameters,
+                            $($read,)*
+                            $(&mut Scatter::new($scattered),)*
+                            memory,
+                        );
+                        workgroup_memory_barrier_with_group_sync();
+                        phase += 1;
+                    }
+                }
+            }
+        };
     }
     for_each_kernel!(entry_points);
 }

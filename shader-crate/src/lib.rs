@@ -10,17 +10,24 @@
 #![no_std]
 #![deny(missing_docs)]
 
+pub mod access;
+pub mod atomic;
 pub mod bvh;
 pub mod camera;
+pub mod compaction;
+pub mod error_scale;
 pub mod features;
 pub mod film;
 pub mod kernels;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod paper;
 pub mod path;
+pub mod prefix;
 pub mod probe;
 pub mod ray;
+pub mod runs;
 pub mod sampler;
 pub mod scene;
 pub mod stream;
@@ -28,6 +35,7 @@ pub mod surface;
 pub mod texture;
 pub mod tiles;
 pub mod triangle;
+pub mod wide;
 
 pub use spirv_std::glam;
 

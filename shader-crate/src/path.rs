@@ -17,7 +17,7 @@ use crate::math::power_heuristic;
 use crate::ray::{Ray, SurfacePoint};
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, PIXEL, SampleStream, of_vertex, unit_float};
 use crate::scene::SceneView;
-use crate::stream::Slot;
+use crate::stream::{NO_PIXEL, Slot};
 use crate::surface::{Attributes, Surface};
 use crate::texture::TextureView;
 use crate::tiles::pixel_of_rank;
@@ -76,21 +76,25 @@ pub fn trace_paths(
         bvh: BvhView::new(nodes, triangles),
         attributes,
         materials,
-        lights: LightView::new(lights, params.lights),
         offset_roundings: params.offset_roundings,
         textures: TextureView::new(texels),
     };
-    *contribution = trace_slot(params, &scene, slots[lane as usize]);
+    let slot = slots[lane as usize];
+    *contribution = if slot.rank == NO_PIXEL {
+        Contribution::NOTHING
+    } else {
+        trace_slot(params, &scene, &LightView::new(lights, params.lights), slot)
+    };
 }
 
 /// The contribution of one slot.
-pub fn trace_slot(params: &PathParams, scene: &SceneView<'_>, slot: Slot) -> Contribution {
+pub fn trace_slot(params: &PathParams, scene: &SceneView<'_>, lights: &LightView<'_>, slot: Slot) -> Contribution {
     let camera = &params.camera;
     let (x, y) = pixel_of_rank(slot.rank, camera.width, camera.height);
     let numbers = SampleStream::new(params.sampler, params.seed, y * camera.width + x, slot.sample);
     let mut path = Path::new(camera.ray(x, y, numbers.pair(PIXEL)));
     let mut depth = 1;
-    while path.extend(params, scene, &numbers, depth) {
+    while path.extend(params, scene, lights, &numbers, depth) {
         depth += 1;
     }
     path.contribution()
@@ -116,7 +120,14 @@ impl Path {
 
     /// Traces segment number `depth` (from 1) and picks the next; false where the path ends.
     #[inline(always)]
-    fn extend(&mut self, params: &PathParams, scene: &SceneView<'_>, numbers: &SampleStream, depth: u32) -> bool {
+    fn extend(
+        &mut self,
+        params: &PathParams,
+        scene: &SceneView<'_>,
+        lights: &LightView<'_>,
+        numbers: &SampleStream,
+        depth: u32,
+    ) -> bool {
         self.rays += 1;
         let hit = scene.bvh.closest_hit(&self.ray);
         if !hit.is_some() {
@@ -134,9 +145,9 @@ impl Path {
         }
         let vertex = depth - 1;
         let [choice, roulette] = numbers.bits(of_vertex(vertex, CHOICES));
-        if surface.material.kind == DIFFUSE && params.techniques != BSDF_SAMPLING_ALONE && !scene.lights.is_empty() {
+        if surface.material.kind == DIFFUSE && params.techniques != BSDF_SAMPLING_ALONE && !lights.is_empty() {
             let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
-            self.sample_light(params, scene, &surface, choice, point);
+            self.sample_light(params, scene, lights, &surface, choice, point);
         }
         let sample =
             sample_bsdf(&surface, self.ray.direction, numbers.pair(of_vertex(vertex, BSDF)), unit_float(choice));
@@ -174,11 +185,12 @@ impl Path {
         &mut self,
         params: &PathParams,
         scene: &SceneView<'_>,
+        lights: &LightView<'_>,
         surface: &Surface,
         choice: u32,
         point: [f32; 2],
     ) {
-        let light = scene.lights.sample(scene.lights.choose(choice), point);
+        let light = lights.sample(lights.choose(choice), point);
         let offset = light.position - surface.point.position;
         let distance2 = offset.length_squared();
         let direction = offset.normalize();

@@ -1,12 +1,11 @@
 //! A scene on the device, as one view.
 
 use crate::bvh::BvhView;
-use crate::light::LightView;
 use crate::material::Material;
 use crate::surface::Attributes;
 use crate::texture::TextureView;
 
-/// Everything that a path may look at.
+/// Everything that a ray may hit. Lights are apart: not everyone who hits looks for them.
 #[derive(Clone, Copy)]
 pub struct SceneView<'a> {
     /// The geometry.
@@ -15,8 +14,6 @@ pub struct SceneView<'a> {
     pub attributes: &'a [Attributes],
     /// The materials.
     pub materials: &'a [Material],
-    /// The emissive triangles.
-    pub lights: LightView<'a>,
     /// How far rays start from surfaces, see [`crate::ray::OFFSET_ROUNDINGS`].
     pub offset_roundings: f32,
     /// The textures.

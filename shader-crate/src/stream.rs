@@ -1,6 +1,6 @@
 //! The sample stream: which pixel each slot of a round traces.
 //!
-//! The stream of a round is a list of slots, each one path. The slots of one pixel are consecutive (a
+//! The stream of a round is a list of slots, each one path. With [`Runs`] the slots of one pixel are consecutive (a
 //! **run**), and runs follow each other in rank order (see [`crate::tiles`]): neighbours in the stream are
 //! neighbours in the picture, and accumulation is a loop over a pixel's own run.
 
@@ -8,23 +8,9 @@ use crate::device_struct;
 use crate::film::FilmPixel;
 
 device_struct! {
-    /// The parameters of one window of a uniform round: ranks `first_rank ..`, `samples` slots each. 16 bytes.
-    pub struct UniformWindow {
-        /// Slots in the window: ranks times `samples`.
-        pub threads: u32,
-        /// Rank of the window's first pixel; the film that is bound starts there.
-        pub first_rank: u32,
-        /// Slots of each pixel, at least 1.
-        pub samples: u32,
-        /// Unused; zero.
-        pub pad: u32,
-    }
-}
-
-device_struct! {
     /// One slot of the stream. 8 bytes.
     pub struct Slot {
-        /// Rank of the pixel.
+        /// Rank of the pixel, or [`NO_PIXEL`].
         pub rank: u32,
         /// Which sample of the pixel this is, counted from 0 over the whole render: the index into its
         /// sample sequence.
@@ -32,8 +18,77 @@ device_struct! {
     }
 }
 
-/// Kernel: the slot number `lane` of a window in which every pixel gets the same number of samples.
-pub fn uniform_stream(lane: u32, window: &UniformWindow, film: &[FilmPixel], slot: &mut Slot) {
-    let pixel = lane / window.samples;
-    *slot = Slot { rank: window.first_rank + pixel, sample: film[pixel as usize].samples + lane % window.samples };
+/// [`Slot::rank`] of a slot that stays empty.
+pub const NO_PIXEL: u32 = u32::MAX;
+
+device_struct! {
+    /// The runs of a stretch of pixels that follow each other in rank order. 16 bytes.
+    pub struct RunWindow {
+        /// Lanes of the launch.
+        pub threads: u32,
+        /// Rank of the first pixel; the film that is bound starts there.
+        pub first_rank: u32,
+        /// Pixels.
+        pub pixels: u32,
+        /// Slots of each pixel; 0 where runs have lengths of their own.
+        pub samples: u32,
+    }
+}
+
+/// Where each pixel's run begins and ends.
+#[derive(Clone, Copy)]
+pub struct Runs<'a> {
+    window: RunWindow,
+    /// The first slot of each pixel of the window and, after the last, where its run ends. Not looked at where all runs are of
+    /// one length.
+    starts: &'a [u32],
+}
+
+impl<'a> Runs<'a> {
+    /// The runs of the pixels of a window.
+    pub fn new(window: &RunWindow, starts: &'a [u32]) -> Self {
+        Self { window: *window, starts }
+    }
+
+    /// The first slot of the run of a pixel, counted from the window's first; that of the pixel after the last is the end.
+    pub fn start(&self, pixel: u32) -> u32 {
+        if self.window.samples > 0 { pixel * self.window.samples } else { self.starts[pixel as usize] }
+    }
+
+    /// The pixel whose run a slot is in; it must be in that of one of the window's.
+    pub fn pixel_of(&self, slot: u32) -> u32 {
+        match self.window.samples {
+            0 => self.search(slot),
+            samples => slot / samples,
+        }
+    }
+
+    /// The last pixel whose run does not begin after the slot; runs before it may be empty.
+    fn search(&self, slot: u32) -> u32 {
+        let (mut first, mut end) = (0, self.window.pixels);
+        while end - first > 1 {
+            let middle = (first + end) / 2;
+            if self.starts[middle as usize] <= slot {
+                first = middle;
+            } else {
+                end = middle;
+            }
+        }
+        first
+    }
+}
+
+/// Kernel: slot `lane` of a stream of runs, where it belongs to a pixel of the window.
+pub fn fill_runs(lane: u32, window: &RunWindow, starts: &[u32], film: &[FilmPixel], slot: &mut Slot) {
+    let runs = Runs::new(window, starts);
+    if lane >= runs.start(0) && lane < runs.start(window.pixels) {
+        let pixel = runs.pixel_of(lane);
+        let sample = film[pixel as usize].samples + (lane - runs.start(pixel));
+        *slot = Slot { rank: window.first_rank + pixel, sample };
+    }
+}
+
+/// Kernel: makes slot `lane` empty.
+pub fn clear_slots(_: u32, _: &RunWindow, slot: &mut Slot) {
+    *slot = Slot { rank: NO_PIXEL, sample: 0 };
 }

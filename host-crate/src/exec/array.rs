@@ -27,8 +27,13 @@ impl<B, T: Pod> Array<B, T> {
         elements: &[T],
     ) -> Result<Self, ExecError> {
         let array = Self::zeroed(executor, label, elements.len())?;
-        executor.write(&array.buffer, 0, bytemuck::cast_slice(elements))?;
+        array.write(executor, elements)?;
         Ok(array)
+    }
+
+    /// Replaces the first elements.
+    pub fn write<E: Executor<Buffer = B>>(&self, executor: &E, elements: &[T]) -> Result<(), ExecError> {
+        executor.write(&self.buffer, 0, bytemuck::cast_slice(elements))
     }
 
     /// Number of elements.

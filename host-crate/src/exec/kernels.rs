@@ -2,6 +2,8 @@
 
 use super::native::{NativeArguments, NativeBinding};
 use rayon::prelude::*;
+use raystream_shaders::access::{Atomics, Scatter};
+use raystream_shaders::prefix::Lane;
 
 /// A kernel, as both executors need to know it.
 pub struct Kernel {
@@ -31,17 +33,20 @@ pub enum Access {
     Uniform,
     /// A storage buffer that any thread reads anywhere.
     Read,
-    /// A storage buffer of which each thread reads and writes the element of its own number.
+    /// A storage buffer that threads write: each the element of its own number, or wherever no other thread does, or by
+    /// atomics.
     Write,
 }
 
 macro_rules! kernel_statics {
     ($(
         $(#[$doc:meta])*
-        $name:ident[$workgroup:tt] = $function:path {
+        $name:ident[$workgroup:tt] $(phased($phases:expr, $words:tt))? = $function:path {
             uniform $uniform_binding:tt $parameters:ident: $Parameters:ty,
             $(read $read_binding:tt $read:ident: $Read:ty,)*
             $(write $write_binding:tt $written:ident: $Written:ty,)*
+            $(scatter $scatter_binding:tt $scattered:ident: $Scattered:ty,)*
+            $(atomic $atomic_binding:tt $atomic:ident,)*
         }
     )*) => {
         $(
@@ -54,20 +59,21 @@ macro_rules! kernel_statics {
                     Binding { name: stringify!($parameters), access: Access::Uniform },
                     $(Binding { name: stringify!($read), access: Access::Read },)*
                     $(Binding { name: stringify!($written), access: Access::Write },)*
+                    $(Binding { name: stringify!($scattered), access: Access::Write },)*
+                    $(Binding { name: stringify!($atomic), access: Access::Write },)*
                 ],
                 native: {
                     fn native(arguments: NativeArguments<'_>) {
                         let $parameters: $Parameters = arguments.parameters();
-                        let threads = $parameters.threads as usize;
                         let mut views = arguments.views.into_iter();
                         $(let $read: &[$Read] = views.next().map_or(&[], NativeBinding::into_slice);)*
                         $(let $written: &mut [$Written] = views.next().map_or(&mut [], NativeBinding::into_slice_mut);)*
-                        ($($written[..threads].par_iter_mut(),)*)
-                            .into_par_iter()
-                            .enumerate()
-                            .for_each(|(lane, ($($written,)*))| {
-                                $function(lane as u32, &$parameters, $($read,)* $($written,)*);
-                            });
+                        $(let $scattered = Scatter::<$Scattered>::new(views.next().map_or(&[], NativeBinding::into_atomics));)*
+                        $(let $atomic = Atomics::new(views.next().map_or(&[], NativeBinding::into_atomics));)*
+                        native_loop! {
+                            [$($phases, $words)?] [$workgroup] $function, $parameters,
+                            ($($read)*) ($($written)*) ($($scattered)*) ($($atomic)*)
+                        }
                     }
                     native
                 },
@@ -76,6 +82,42 @@ macro_rules! kernel_statics {
 
         /// All kernels.
         pub static ALL: &[&Kernel] = &[$(&$name),*];
+    };
+}
+
+/// Calls the function of a kernel for all lanes.
+macro_rules! native_loop {
+    (
+        [] [$workgroup:tt] $function:path, $parameters:ident,
+        ($($read:ident)*) ($($written:ident)*) ($($scattered:ident)*) ($($atomic:ident)*)
+    ) => {
+        let threads = $parameters.threads;
+        ((0..threads).into_par_iter(), $($written[..threads as usize].par_iter_mut(),)*).into_par_iter().for_each(
+            |(lane, $($written,)*)| {
+                $function(
+                    lane,
+                    &$parameters,
+                    $($read,)*
+                    $($written,)*
+                    $(&mut { $scattered },)*
+                    $(&mut { $atomic },)*
+                );
+            },
+        );
+    };
+    (
+        [$phases:expr, $words:tt] [$workgroup:tt] $function:path, $parameters:ident,
+        ($($read:ident)*) () ($($scattered:ident)*) ()
+    ) => {
+        (0..$parameters.threads.div_ceil($workgroup)).into_par_iter().for_each(|group| {
+            let mut memory = [0; $words];
+            for phase in 0..$phases {
+                for index in 0..$workgroup {
+                    let lane = Lane { group, index };
+                    $function(phase, lane, &$parameters, $($read,)* $(&mut { $scattered },)* &mut memory);
+                }
+            }
+        });
     };
 }
 raystream_shaders::for_each_kernel!(kernel_statics);

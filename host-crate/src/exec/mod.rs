@@ -19,7 +19,7 @@ pub use kernels::{Access, Binding, Kernel};
 /// Runs kernels over buffers that it owns.
 pub trait Executor {
     /// A piece of the device's memory.
-    type Buffer;
+    type Buffer: 'static;
 
     /// What may be asked of the device.
     fn limits(&self) -> Limits;

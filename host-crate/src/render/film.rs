@@ -60,10 +60,24 @@ impl<B> FilmBuffers<B> {
         &self.bands
     }
 
+    /// Pixels of the film.
+    pub fn pixels(&self) -> u32 {
+        self.size.width * self.size.height
+    }
+
+    /// The bands that have pixels in a range of ranks, each with these pixels' places in it.
+    pub fn bands_of(&self, ranks: &Range<u32>) -> impl Iterator<Item = (&Band<B>, Range<u32>)> {
+        self.bands.iter().filter_map(|band| {
+            let end = band.first_rank + band.film.len() as u32;
+            let range = ranks.start.max(band.first_rank)..ranks.end.min(end);
+            (!range.is_empty()).then(|| (band, range.start - band.first_rank..range.end - band.first_rank))
+        })
+    }
+
     /// Copies the film to the host, in rows.
     pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Film, ExecError> {
         let FilmSize { width, height } = self.size;
-        let pixels = (width * height) as usize;
+        let pixels = self.pixels() as usize;
         let mut radiance = vec![FilmPixel::zeroed(); pixels];
         let mut features = vec![FeaturePixel::zeroed(); pixels];
         // Band by band, so that little more than the picture itself is in memory at once.

@@ -9,26 +9,26 @@ use raystream_shaders::path::PathParams;
 use raystream_shaders::stream::Slot;
 use std::ops::Range;
 
-/// The integrator `megakernel`: one thread walks one path to its end.
+/// The integrator `megakernel`: one thread walks one path to its end. Traces the slots of `part`.
 pub fn megakernel<'a, B>(
     scene: &'a SceneBuffers<B>,
     parameters: &PathParams,
     slots: &'a Array<B, Slot>,
     contributions: &'a Array<B, Contribution>,
+    part: Range<usize>,
 ) -> Launch<'a, B> {
-    let threads = parameters.threads as usize;
     Launch::new(
         &kernels::trace_paths,
         parameters,
         vec![
-            slots.slice(0..threads),
+            slots.slice(part.clone()),
             scene.nodes.view(),
             scene.triangles.view(),
             scene.attributes.view(),
             scene.materials.view(),
             scene.lights.view(),
             scene.texels.view(),
-            contributions.slice(0..threads),
+            contributions.slice(part),
         ],
     )
 }
@@ -55,7 +55,6 @@ pub fn first_hits<'a, B>(
             scene.triangles.view(),
             scene.attributes.view(),
             scene.materials.view(),
-            scene.lights.view(),
             scene.texels.view(),
             band.features.slice(window.start as usize..window.end as usize),
         ],

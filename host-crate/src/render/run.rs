@@ -1,6 +1,6 @@
 //! The render loop and what stops it.
 
-use super::renderer::{Renderer, Timings};
+use super::{Renderer, Timings};
 use crate::exec::{ExecError, Executor};
 use raystream_shaders::bvh::MAX_DEPTH;
 use std::time::{Duration, Instant};

@@ -55,4 +55,10 @@ impl Sampling {
         round_budget: None,
         noise: None,
     };
+
+    /// Samples per pixel, on average, of a round after pixels have got `average` samples each: [`Self::round_budget`], or enough that the
+    /// errors, which have changed little, need not be estimated too often.
+    pub fn samples_of_round(&self, average: f64) -> f64 {
+        self.round_budget.map_or_else(|| (average / 4.0).max(1.0), f64::from)
+    }
 }

@@ -1,0 +1,67 @@
+//! The allocator `atomic`: every pixel in proportion to its error, slots and sums by atomics, in the order in which they come.
+
+use super::runs::RunTable;
+use super::{Allocator, RoundBuffers, Stream, StreamSize, one_stream};
+use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::render::film::FilmBuffers;
+use raystream_shaders::stream::RunWindow;
+
+/// In proportion to the error, by atomics.
+pub struct Atomic<B> {
+    table: RunTable<B>,
+    counter: Array<B, u32>,
+}
+
+impl<B> Atomic<B> {
+    /// For pictures of `pixels` pixels.
+    pub fn new<E: Executor<Buffer = B>>(executor: &E, pixels: u32) -> Result<Self, ExecError> {
+        Ok(Self {
+            table: RunTable::new(executor, pixels)?,
+            counter: Array::zeroed(executor, "the counter of slots", 1)?,
+        })
+    }
+}
+
+impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
+    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, size: StreamSize) -> Vec<Stream> {
+        one_stream(film, paths, size)
+    }
+
+    fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+        let mut launches = self.table.fill(buffers.errors, stream.slots, 0, 0);
+        let one = RunWindow { threads: 1, first_rank: 0, pixels: 0, samples: 0 };
+        launches.push(Launch::new(&kernels::clear_counter, &one, vec![self.counter.view()]));
+        for band in buffers.film.bands() {
+            let threads = band.film.len() as u32;
+            launches.push(Launch::new(
+                &kernels::reserve_slots,
+                &RunWindow { threads, first_rank: band.first_rank, pixels: threads, samples: 0 },
+                vec![
+                    self.table.starts_of(band),
+                    band.film.view(),
+                    buffers.slots.slice(0..stream.slots as usize),
+                    self.counter.view(),
+                ],
+            ));
+        }
+        launches
+    }
+
+    fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+        let slots = stream.slots as usize;
+        let film = buffers.film;
+        let in_band = film.bands().iter().map(|band| {
+            Launch::new(
+                &kernels::accumulate_atomic,
+                &RunWindow {
+                    threads: stream.slots,
+                    first_rank: band.first_rank,
+                    pixels: band.film.len() as u32,
+                    samples: 0,
+                },
+                vec![buffers.slots.slice(0..slots), buffers.contributions.slice(0..slots), band.film.view()],
+            )
+        });
+        in_band.collect()
+    }
+}

@@ -1,0 +1,134 @@
+//! The allocator `paper`: streams of pixels whose error exceeds random thresholds; see [`raystream_shaders::paper`].
+
+use super::runs::ErrorScale;
+use super::{Allocator, RoundBuffers, Stream, StreamSize, one_stream};
+use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::render::film::FilmBuffers;
+use raystream_shaders::paper::{PaperParams, PaperState, STREAMS};
+use raystream_shaders::prefix::BlockParams;
+use raystream_shaders::sampler::hash;
+use raystream_shaders::stream::RunWindow;
+
+/// Streams by random thresholds.
+pub struct Paper<B> {
+    pixels: u32,
+    scale: ErrorScale<B>,
+    keep: Array<B, u32>,
+    sums: Array<B, u32>,
+    kept: Array<B, u32>,
+    counts: Array<B, u32>,
+    states: Array<B, PaperState>,
+}
+
+impl<B> Paper<B> {
+    /// For pictures of `pixels` pixels.
+    pub fn new<E: Executor<Buffer = B>>(executor: &E, pixels: u32) -> Result<Self, ExecError> {
+        let blocks = BlockParams::per_block(pixels).blocks as usize;
+        let words = |label, len| Array::zeroed(executor, label, len);
+        Ok(Self {
+            pixels,
+            scale: ErrorScale::new(executor, pixels)?,
+            keep: words("the flags of pixels", pixels as usize)?,
+            sums: words("sums of flags", blocks + 1)?,
+            kept: words("the pixels of a stream", pixels as usize)?,
+            counts: words("the samples of pixels", pixels as usize)?,
+            states: Array::zeroed(executor, "the states of the bisection", STREAMS as usize + 2)?,
+        })
+    }
+
+    /// The streams of the last round: [`PaperState::filled`] is the first slot of each, `taken` its length.
+    pub fn states<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<PaperState>, ExecError> {
+        self.states.read_range(executor, 0..STREAMS as usize + 1)
+    }
+
+    fn parameters(&self, stream: &Stream, number: u32, threads: u32) -> PaperParams {
+        PaperParams {
+            threads,
+            pixels: self.pixels,
+            blocks: BlockParams::per_block(self.pixels).blocks,
+            slots: stream.slots,
+            stream: number,
+            salt: 0,
+            first_rank: 0,
+            film_pixels: 0,
+        }
+    }
+
+    /// Launches that make and append stream `number` of the round.
+    fn append<'a>(&'a self, buffers: &RoundBuffers<'a, B>, stream: &Stream, number: u32) -> [Launch<'a, B>; 6] {
+        let parameters = self.parameters(stream, number, self.pixels);
+        let per_block = BlockParams::per_block(self.pixels);
+        [
+            Launch::new(
+                &kernels::paper_select,
+                &PaperParams { salt: hash(buffers.salt ^ hash(number)), ..parameters },
+                vec![buffers.errors.view(), self.scale.totals.view(), self.states.view(), self.keep.view()],
+            ),
+            Launch::new(&kernels::sum_blocks, &per_block, vec![self.keep.view(), self.sums.view()]),
+            Launch::new(&kernels::scan_blocks, &BlockParams::one_workgroup(self.pixels), vec![self.sums.view()]),
+            Launch::new(
+                &kernels::paper_decide,
+                &PaperParams { threads: 1, ..parameters },
+                vec![self.sums.view(), self.states.view()],
+            ),
+            Launch::new(&kernels::scatter_kept, &per_block, vec![self.keep.view(), self.sums.view(), self.kept.view()]),
+            Launch::new(
+                &kernels::paper_append,
+                &parameters,
+                vec![self.states.view(), self.kept.view(), self.counts.view(), buffers.slots.view()],
+            ),
+        ]
+    }
+}
+
+impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
+    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, size: StreamSize) -> Vec<Stream> {
+        one_stream(film, paths, size)
+    }
+
+    fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+        let mut launches = self.scale.launches(buffers.errors);
+        launches.push(Launch::new(
+            &kernels::clear_slots,
+            &RunWindow { threads: stream.slots, first_rank: 0, pixels: 0, samples: 0 },
+            vec![buffers.slots.slice(0..stream.slots as usize)],
+        ));
+        for band in buffers.film.bands() {
+            let first = band.first_rank as usize;
+            launches.push(Launch::new(
+                &kernels::copy_counts,
+                &self.parameters(stream, 0, band.film.len() as u32),
+                vec![band.film.view(), self.counts.slice(first..first + band.film.len())],
+            ));
+        }
+        launches.push(Launch::new(&kernels::paper_begin, &self.parameters(stream, 0, 1), vec![self.states.view()]));
+        launches.extend((0..=STREAMS).flat_map(|number| self.append(buffers, stream, number)));
+        launches
+    }
+
+    fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+        let slots = stream.slots as usize;
+        let mut launches = Vec::new();
+        for number in 0..=STREAMS {
+            for band in buffers.film.bands() {
+                let parameters = self.parameters(stream, number, self.pixels.min(stream.slots));
+                launches.push(Launch::new(
+                    &kernels::paper_accumulate,
+                    &PaperParams { first_rank: band.first_rank, film_pixels: band.film.len() as u32, ..parameters },
+                    vec![
+                        self.states.view(),
+                        buffers.slots.slice(0..slots),
+                        buffers.contributions.slice(0..slots),
+                        band.film.view(),
+                    ],
+                ));
+            }
+        }
+        launches
+    }
+
+    fn filled(&self, executor: &E, _: &Stream) -> Result<u32, ExecError> {
+        let end = STREAMS as usize + 1;
+        Ok(self.states.read_range(executor, end..end + 1)?[0].filled)
+    }
+}

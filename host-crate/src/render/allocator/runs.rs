@@ -1,0 +1,131 @@
+//! The allocator `runs`: every pixel in proportion to its error, its slots in one run.
+
+use super::uniform::{accumulate_runs, fill_runs};
+use super::{Allocator, RoundBuffers, Stream, StreamSize, one_stream};
+use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
+use crate::render::film::{Band, FilmBuffers};
+use raystream_shaders::error_scale::BlockErrors;
+use raystream_shaders::prefix::BlockParams;
+use raystream_shaders::runs::{ERROR_WEIGHTS, RunParams};
+
+/// Share of a round's samples that all pixels that have not converged get equally, whatever their error: no estimate is so good that it
+/// may starve a pixel.
+const UNIFORM_SHARE: f64 = 0.1;
+
+/// In proportion to the error, in runs.
+pub struct Runs<B> {
+    table: RunTable<B>,
+}
+
+impl<B> Runs<B> {
+    /// For pictures of `pixels` pixels.
+    pub fn new<E: Executor<Buffer = B>>(executor: &E, pixels: u32) -> Result<Self, ExecError> {
+        Ok(Self { table: RunTable::new(executor, pixels)? })
+    }
+}
+
+impl<E: Executor> Allocator<E> for Runs<E::Buffer> {
+    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, size: StreamSize) -> Vec<Stream> {
+        one_stream(film, paths, size)
+    }
+
+    fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+        let uniform_weights = (f64::from(ERROR_WEIGHTS) * UNIFORM_SHARE / (1.0 - UNIFORM_SHARE)) as u32;
+        let mut launches = self.table.fill(buffers.errors, stream.slots, uniform_weights, buffers.salt & 0xff);
+        launches.extend(fill_runs(buffers, stream, |band| self.table.starts_of(band), 0));
+        launches
+    }
+
+    fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+        accumulate_runs(buffers, stream, |band| self.table.starts_of(band), 0)
+    }
+}
+
+/// The first slot of each pixel's run, and what it takes to find it.
+pub(super) struct RunTable<B> {
+    pixels: u32,
+    scale: ErrorScale<B>,
+    weights: Array<B, u32>,
+    sums: Array<B, u32>,
+    starts: Array<B, u32>,
+}
+
+impl<B> RunTable<B> {
+    pub fn new<E: Executor<Buffer = B>>(executor: &E, pixels: u32) -> Result<Self, ExecError> {
+        let blocks = BlockParams::per_block(pixels).blocks as usize;
+        Ok(Self {
+            pixels,
+            scale: ErrorScale::new(executor, pixels)?,
+            weights: Array::zeroed(executor, "the weights of pixels", pixels as usize)?,
+            sums: Array::zeroed(executor, "sums of weights", blocks + 1)?,
+            starts: Array::zeroed(executor, "the starts of runs", pixels as usize + 1)?,
+        })
+    }
+
+    /// Launches that lay out `slots` slots in runs.
+    pub fn fill<'a>(
+        &'a self,
+        errors: &'a Array<B, f32>,
+        slots: u32,
+        uniform_weights: u32,
+        phase: u32,
+    ) -> Vec<Launch<'a, B>> {
+        let BlockParams { threads, blocks, .. } = BlockParams::per_block(self.pixels);
+        let parameters = RunParams {
+            threads,
+            pixels: self.pixels,
+            blocks,
+            slots,
+            phase,
+            uniform_weights,
+            largest_weight: u32::MAX,
+            pad: 0,
+        };
+        let mut launches = self.scale.launches(errors);
+        launches.extend([
+            Launch::new(
+                &kernels::weigh_errors,
+                &parameters,
+                vec![errors.view(), self.scale.totals.view(), self.weights.view(), self.sums.view()],
+            ),
+            Launch::new(&kernels::scan_blocks, &BlockParams::one_workgroup(self.pixels), vec![self.sums.view()]),
+            Launch::new(
+                &kernels::run_starts,
+                &parameters,
+                vec![self.weights.view(), self.sums.view(), self.starts.view()],
+            ),
+        ]);
+        launches
+    }
+
+    /// The starts of the runs of a band's pixels, and where the last one ends.
+    pub fn starts_of(&self, band: &Band<B>) -> View<'_, B> {
+        let first = band.first_rank as usize;
+        self.starts.slice(first..first + band.film.len() + 1)
+    }
+}
+
+/// The largest error and the sum of all.
+pub(super) struct ErrorScale<B> {
+    pixels: u32,
+    /// Of each block and, after the last, of all.
+    pub totals: Array<B, BlockErrors>,
+}
+
+impl<B> ErrorScale<B> {
+    pub fn new<E: Executor<Buffer = B>>(executor: &E, pixels: u32) -> Result<Self, ExecError> {
+        let blocks = BlockParams::per_block(pixels).blocks as usize;
+        Ok(Self { pixels, totals: Array::zeroed(executor, "sums of errors", blocks + 1)? })
+    }
+
+    pub fn launches<'a>(&'a self, errors: &'a Array<B, f32>) -> Vec<Launch<'a, B>> {
+        vec![
+            Launch::new(
+                &kernels::block_errors,
+                &BlockParams::per_block(self.pixels),
+                vec![errors.view(), self.totals.view()],
+            ),
+            Launch::new(&kernels::add_block_errors, &BlockParams::one_workgroup(self.pixels), vec![self.totals.view()]),
+        ]
+    }
+}

@@ -1,0 +1,94 @@
+//! What a render computes, and what it measures of itself.
+
+use super::camera::camera;
+use super::{PreparedScene, Sampling};
+use crate::scene::FilmSize;
+use glam::Vec3;
+use raystream_shaders::path::{self, PathParams};
+use raystream_shaders::sampler;
+use std::ops::AddAssign;
+use std::time::Duration;
+
+/// What a render computes; the same on every device.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Picture size in pixels.
+    pub size: FilmSize,
+    /// Renders with different seeds are independent.
+    pub seed: u32,
+    /// Independent random numbers instead of Owen-scrambled Sobol points.
+    pub independent_sampler: bool,
+    /// Longest path in segments, at least 1.
+    pub max_depth: u32,
+    /// Segment after which roulette may end a path; above `max_depth` for none.
+    pub roulette_depth: u32,
+    /// How light is looked for.
+    pub techniques: Techniques,
+    /// Radiance from where there is no surface, linear Rec.709.
+    pub background: Vec3,
+    /// How far rays start from surfaces, in roundings of the surface's largest coordinate (2^-24 of it each): enough that no
+    /// surface shades itself, and no more, since what is smaller than this distance casts no shadow.
+    pub ray_offset: f32,
+    /// Which pixels get how many samples.
+    pub sampling: Sampling,
+}
+
+/// How light is looked for. All are unbiased where every technique can find all light; they differ in noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Techniques {
+    /// Next-event estimation and BSDF sampling, weighed by the power heuristic.
+    #[default]
+    Both,
+    /// Next-event estimation alone, at surfaces where it is possible.
+    LightSampling,
+    /// BSDF sampling alone.
+    BsdfSampling,
+}
+
+/// Where a render's time went, by the device's clock.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Timings {
+    /// Tracing camera rays for the first-hit features.
+    pub features: Duration,
+    /// Filtering and estimating errors.
+    pub estimation: Duration,
+    /// Making sample streams of errors.
+    pub generation: Duration,
+    /// Tracing paths.
+    pub tracing: Duration,
+    /// Adding contributions to the film.
+    pub accumulation: Duration,
+}
+
+impl AddAssign for Timings {
+    fn add_assign(&mut self, other: Self) {
+        self.features += other.features;
+        self.estimation += other.estimation;
+        self.generation += other.generation;
+        self.tracing += other.tracing;
+        self.accumulation += other.accumulation;
+    }
+}
+
+impl PreparedScene {
+    /// What the tracing kernels need to know beside the scene; `threads` is 0.
+    pub fn parameters(&self, settings: &Settings) -> PathParams {
+        PathParams {
+            threads: 0,
+            seed: settings.seed,
+            sampler: if settings.independent_sampler { sampler::INDEPENDENT } else { sampler::SOBOL },
+            max_depth: settings.max_depth,
+            roulette_depth: settings.roulette_depth,
+            lights: self.lights.len() as u32,
+            total_importance: self.total_importance,
+            techniques: match settings.techniques {
+                Techniques::Both => path::BOTH_TECHNIQUES,
+                Techniques::LightSampling => path::LIGHT_SAMPLING_ALONE,
+                Techniques::BsdfSampling => path::BSDF_SAMPLING_ALONE,
+            },
+            camera: camera(&self.camera, settings.size),
+            background: settings.background,
+            offset_roundings: settings.ray_offset,
+        }
+    }
+}

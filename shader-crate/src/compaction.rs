@@ -1,0 +1,46 @@
+//! Stream compaction: the places of what is to be kept, close together and in order.
+//!
+//! Reduce ([`sum_blocks`](crate::prefix::sum_blocks) over the flags), scan ([`scan_blocks`](crate::prefix::scan_blocks)), scatter
+//! ([`scatter_kept`]): Billeter, Olsson, Assarsson, "Efficient Stream Compaction on Wide SIMD Many-Core Architectures", HPG 2009.
+
+use crate::access::Scatter;
+use crate::prefix::{BlockParams, Lane, PER_LANE, STEPS, before, scan_step};
+
+/// Phases of [`scatter_kept`].
+pub const SCATTER_PHASES: u32 = STEPS + 2;
+
+/// Kernel, in phases: writes the indices of all elements whose flag in `keep` is 1 (the others' is 0) to `kept`, in order. `offsets` are the
+/// numbers of kept elements before each block.
+pub fn scatter_kept(
+    phase: u32,
+    lane: Lane,
+    params: &BlockParams,
+    keep: &[u32],
+    offsets: &[u32],
+    kept: &mut Scatter<'_, u32>,
+    memory: &mut [u32; 512],
+) {
+    let first = lane.first_element().min(params.elements);
+    let end = (first + PER_LANE).min(params.elements);
+    if phase == 0 {
+        let mut count = 0;
+        let mut element = first;
+        while element < end {
+            count += keep[element as usize];
+            element += 1;
+        }
+        memory[lane.index as usize] = count;
+    } else if phase <= STEPS {
+        scan_step(phase - 1, lane.index, memory);
+    } else {
+        let mut place = offsets[lane.group as usize] + before(lane.index, memory);
+        let mut element = first;
+        while element < end {
+            if keep[element as usize] == 1 {
+                kept.set(place, element);
+                place += 1;
+            }
+            element += 1;
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! The allocator `paper`: streams of pixels whose error exceeds random thresholds, as Podee et al. make them ("Efficient Adaptive GPU Path
+//! Tracing", section 3.3).
+//!
+//! A pixel enters a stream if its error exceeds a random number in `[0, r)`; stream compaction puts those that do close together. Streams are appended until the
+//! round is full, and `r` is found by bisection on the way. Where the paper's text is open: a stream that would overshoot is
+//! dropped and `r` raised, one that fits is kept and `r` lowered; after [`STREAMS`] streams one more, at the lower end of the
+//! bisection, is thinned evenly to what is left. What that cannot fill either (fewer pixels want a sample than there are slots) stays
+//! empty.
+//!
+//! All in integers (see [`crate::error_scale`]), all decided on the device.
+
+use crate::access::Scatter;
+use crate::device_struct;
+use crate::error_scale::{BlockErrors, is_live, magnitude, quantised};
+use crate::film::{Contribution, FilmPixel};
+use crate::sampler::hash;
+use crate::stream::Slot;
+use crate::wide::{multiply, multiply_divide};
+
+/// Streams of a round before the last, thinned one.
+pub const STREAMS: u32 = 32;
+
+device_struct! {
+    /// The parameters of one step: of one stream. 32 bytes.
+    pub struct PaperParams {
+        /// Lanes of the launch.
+        pub threads: u32,
+        /// Pixels of the picture.
+        pub pixels: u32,
+        /// Blocks of pixels.
+        pub blocks: u32,
+        /// Slots of the round.
+        pub slots: u32,
+        /// Number of the stream, 0 to [`STREAMS`]; that one is thinned.
+        pub stream: u32,
+        /// A random number, other for every stream.
+        pub salt: u32,
+        /// Rank of the first pixel of the film that is bound.
+        pub first_rank: u32,
+        /// Pixels of the film that is bound.
+        pub film_pixels: u32,
+    }
+}
+
+device_struct! {
+    /// The bisection before each stream, and after the last. 32 bytes.
+    pub struct PaperState {
+        /// Random numbers lie below this, in units of [`quantised`].
+        pub range: u32,
+        /// At this range streams were too long.
+        pub low: u32,
+        /// At this one they fitted.
+        pub high: u32,
+        /// Slots filled by the streams before.
+        pub filled: u32,
+        /// Slots of this stream, decided when its length is known.
+        pub taken: u32,
+        /// Pixels that wanted to be in it.
+        pub wanted: u32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+    }
+}
+
+/// Kernel, one lane: the bisection at its beginning: in the middle of twice the largest error.
+pub fn paper_begin(lane: u32, _: &PaperParams, states: &mut Scatter<'_, PaperState>) {
+    let high = u32::MAX;
+    let state = PaperState { range: high / 2 + 1, low: 0, high, filled: 0, taken: 0, wanted: 0, pad0: 0, pad1: 0 };
+    states.set(lane, state);
+}
+
+/// Kernel: whether pixel `lane` wants to be in the stream; 1 or 0.
+pub fn paper_select(
+    lane: u32,
+    params: &PaperParams,
+    errors: &[f32],
+    totals: &[BlockErrors],
+    states: &[PaperState],
+    keep: &mut u32,
+) {
+    let all = totals[params.blocks as usize];
+    let error = errors[lane as usize];
+    let state = states[params.stream as usize];
+    if state.filled == params.slots {
+        *keep = 0;
+    } else if all.exponent == 0 {
+        // Nothing is known of any pixel: all alike.
+        *keep = (is_live(error) || all.live == 0) as u32;
+    } else {
+        let random = multiply(hash(lane ^ hash(params.salt)), state.range).high;
+        *keep = (quantised(magnitude(error), all.exponent) > random) as u32;
+    }
+}
+
+/// Kernel, one lane: decides about the stream, whose length is the last of `offsets`, and about the range of the next.
+pub fn paper_decide(_: u32, params: &PaperParams, offsets: &[u32], states: &mut Scatter<'_, PaperState>) {
+    let mut state = states.get(params.stream);
+    let room = params.slots - state.filled;
+    state.wanted = offsets[params.blocks as usize];
+    let is_last = params.stream == STREAMS;
+    state.taken = if state.wanted <= room {
+        state.wanted
+    } else if is_last {
+        room
+    } else {
+        0
+    };
+    states.set(params.stream, state);
+    if state.wanted <= room {
+        state.high = state.range;
+    } else {
+        state.low = state.range;
+    }
+    state.filled += state.taken;
+    state.range = state.low + (state.high - state.low) / 2;
+    if params.stream + 1 == STREAMS {
+        state.range = state.low;
+    }
+    state.taken = 0;
+    states.set(params.stream + 1, state);
+}
+
+/// Kernel: appends the pixel number `lane` of those that wanted to be in the stream. `counts` are the samples of each pixel, those of earlier
+/// streams included.
+pub fn paper_append(
+    lane: u32,
+    params: &PaperParams,
+    states: &[PaperState],
+    kept: &[u32],
+    counts: &mut Scatter<'_, u32>,
+    slots: &mut Scatter<'_, Slot>,
+) {
+    let state = states[params.stream as usize];
+    if lane >= state.wanted || state.taken == 0 {
+        return;
+    }
+    // Of all that wanted to be in, every so-manieth: all of them, unless the stream is thinned.
+    let place = multiply_divide(lane, state.taken, state.wanted);
+    if multiply_divide(lane + 1, state.taken, state.wanted) > place {
+        let rank = kept[lane as usize];
+        let sample = counts.get(rank);
+        counts.set(rank, sample + 1);
+        slots.set(state.filled + place, Slot { rank, sample });
+    }
+}
+
+/// Kernel: adds the contribution number `lane` of the stream to its pixel, which no other of the stream has.
+pub fn paper_accumulate(
+    lane: u32,
+    params: &PaperParams,
+    states: &[PaperState],
+    slots: &[Slot],
+    contributions: &[Contribution],
+    film: &mut Scatter<'_, FilmPixel>,
+) {
+    let state = states[params.stream as usize];
+    if lane >= state.taken {
+        return;
+    }
+    let place = (state.filled + lane) as usize;
+    let pixel = slots[place].rank.wrapping_sub(params.first_rank);
+    if pixel < params.film_pixels {
+        let mut sums = film.get(pixel);
+        sums.add(&contributions[place]);
+        film.set(pixel, sums);
+    }
+}
+
+/// Kernel: the samples of pixel `lane` of a film.
+pub fn copy_counts(lane: u32, _: &PaperParams, film: &[FilmPixel], count: &mut u32) {
+    *count = film[lane as usize].samples;
+}
