@@ -1,6 +1,7 @@
 //! The film on the host: what was measured of every pixel, in rows from the top left.
 
 use glam::Vec3;
+use raystream_shaders::estimate::Estimate;
 use raystream_shaders::film::{FeaturePixel, FilmPixel};
 
 /// Sums over the samples of each pixel, and what follows from them.
@@ -14,6 +15,8 @@ pub struct Film {
     pub radiance: Vec<FilmPixel>,
     /// First-hit features, likewise.
     pub features: Vec<FeaturePixel>,
+    /// What an estimator thinks of each pixel, likewise; none where no estimator ran.
+    pub estimates: Option<Vec<Estimate>>,
 }
 
 impl Film {
@@ -80,6 +83,21 @@ impl Film {
     /// Samples of each pixel.
     pub fn samples(&self) -> Vec<u32> {
         self.radiance.iter().map(|p| p.samples).collect()
+    }
+
+    /// The filtered picture, linear Rec.709; none without estimates.
+    pub fn filtered(&self) -> Option<Vec<Vec3>> {
+        self.of_estimates(|e| e.filtered)
+    }
+
+    /// Estimated squared error of each pixel of [`Self::color`], the mean over the components, in squared radiance; none
+    /// without estimates.
+    pub fn squared_error(&self) -> Option<Vec<f32>> {
+        self.of_estimates(|e| e.squared_error)
+    }
+
+    fn of_estimates<T>(&self, value: impl Fn(&Estimate) -> T) -> Option<Vec<T>> {
+        self.estimates.as_ref().map(|estimates| estimates.iter().map(value).collect())
     }
 
     fn of_features(&self, value: impl Fn(&FeaturePixel, u32) -> Vec3) -> Vec<Vec3> {

@@ -12,6 +12,7 @@
 
 pub mod bvh;
 pub mod camera;
+pub mod estimate;
 pub mod film;
 pub mod kernels;
 pub mod light;

@@ -156,6 +156,14 @@ pub enum ImageError {
 }
 
 impl ImageError {
+    /// [`Self::BufferSize`] unless the buffer `what` has one value for each of at least one pixel.
+    pub(super) fn check_buffer(path: &Path, what: &str, values: usize, width: u32, height: u32) -> Result<(), Self> {
+        if values > 0 && values as u64 == u64::from(width) * u64::from(height) {
+            return Ok(());
+        }
+        Err(Self::BufferSize { path: path.to_owned(), what: what.to_owned(), values, width, height })
+    }
+
     /// What `source`, met while writing `path` into `folder`, means.
     pub(super) fn from_write(path: &Path, folder: &Path, source: io::Error) -> Self {
         let path = path.to_owned();
