@@ -1,6 +1,7 @@
 //! The film on the host: what was measured of every pixel, in rows from the top left.
 
 use glam::Vec3;
+use raystream_shaders::estimate::Estimate;
 use raystream_shaders::features::FeaturePixel;
 use raystream_shaders::film::FilmPixel;
 
@@ -15,6 +16,8 @@ pub struct Film {
     pub radiance: Vec<FilmPixel>,
     /// First-hit features, likewise.
     pub features: Vec<FeaturePixel>,
+    /// What an estimator thinks of each pixel, likewise; none where no estimator ran.
+    pub estimates: Option<Vec<Estimate>>,
 }
 
 impl Film {
@@ -81,6 +84,21 @@ impl Film {
     /// Samples of each pixel.
     pub fn samples(&self) -> Vec<u32> {
         self.radiance.iter().map(|p| p.samples).collect()
+    }
+
+    /// The filtered picture, linear Rec.709; none without estimates.
+    pub fn filtered(&self) -> Option<Vec<Vec3>> {
+        self.of_estimates(|e| e.filtered)
+    }
+
+    /// Estimated squared error of each pixel of [`Self::color`], the mean over the components, in squared radiance; none
+    /// without estimates.
+    pub fn squared_error(&self) -> Option<Vec<f32>> {
+        self.of_estimates(|e| e.squared_error)
+    }
+
+    fn of_estimates<T>(&self, value: impl Fn(&Estimate) -> T) -> Option<Vec<T>> {
+        self.estimates.as_ref().map(|estimates| estimates.iter().map(value).collect())
     }
 
     fn of_features(&self, value: impl Fn(&FeaturePixel) -> Vec3) -> Vec<Vec3> {

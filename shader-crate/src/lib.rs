@@ -16,6 +16,7 @@ pub mod bvh;
 pub mod camera;
 pub mod compaction;
 pub mod error_scale;
+pub mod estimate;
 pub mod features;
 pub mod film;
 pub mod kernels;

@@ -43,6 +43,43 @@ fn several_outputs() {
 }
 
 #[test]
+fn layers_as_pictures() {
+    let folder = folder();
+    let beside = |name: &str| ["albedo", "depth", "normal", "samples"].map(|layer| format!("{name}.{layer}.png"));
+    render(folder.path(), &format!("{TINY} --png-layers")).succeeded().says(&[
+        "wrote cornell_ball.png\n",
+        "wrote cornell_ball.samples.png\n",
+        "wrote cornell_ball.depth.png\n",
+    ]);
+    let mut expected = vec!["cornell_ball.png".to_owned()];
+    expected.extend(beside("cornell_ball"));
+    expected.sort();
+    assert_eq!(names(folder.path()), expected);
+
+    let folder = self::folder();
+    render(folder.path(), &format!("{TINY} --png-layers -q -o a.exr -o b.png -o c.d.PNG")).succeeded();
+    expected = ["a.exr", "b.png", "c.d.PNG"].map(str::to_owned).into();
+    expected.extend(beside("b").into_iter().chain(beside("c.d")));
+    expected.sort();
+    assert_eq!(names(folder.path()), expected);
+    // Every pixel of the uniform render has the same count, and the legend is wider than the picture.
+    let samples = raystream::image::read_color(&folder.path().join("b.samples.png")).unwrap();
+    let first_row = &samples.pixels[..4];
+    assert!(samples.width > 100 && first_row.iter().all(|color| *color == first_row[0]));
+    assert_eq!(raystream::image::read_color(&folder.path().join("b.albedo.png")).unwrap().width, 4);
+}
+
+#[test]
+fn layers_that_cannot_be_written() {
+    let folder = folder();
+    refused_at_once(folder.path(), "a.exr --png-layers", &["--png-layers", ".png"]);
+    refused_at_once(folder.path(), "a.png -o a.depth.png --png-layers", &["a.depth.png", "written twice"]);
+    refused_at_once(folder.path(), "a.png -o a.PNG --png-layers", &["a.", "twice"]);
+    std::fs::create_dir(folder.path().join("a.normal.png")).unwrap();
+    refused_at_once(folder.path(), "a.png --png-layers", &["a.normal.png", "name a file"]);
+}
+
+#[test]
 fn paths_in_any_script() {
     let folder = folder();
     let path = folder.path().join("ordner ☀ 日本");

@@ -7,11 +7,11 @@ use super::{CliError, Ending, INTERRUPTED};
 use crate::exec::Executor;
 use crate::exec::device::Device;
 use crate::film::Film;
-use crate::image::{self, Display, ToneMap};
+use crate::image::{self, Display, Format, ToneMap};
 use crate::render::{Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, run as render};
 use crate::scene::DEFAULT_SCENE;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -42,6 +42,10 @@ pub struct RenderArguments {
     /// How a PNG shows what is brighter than its white.
     #[arg(long, value_enum, default_value_t = ToneMap::default())]
     tone_map: ToneMap,
+    /// Beside each .png picture, write its layers as pictures too: picture.samples.png (samples per pixel), picture.albedo.png,
+    /// picture.normal.png and picture.depth.png.
+    #[arg(long)]
+    png_layers: bool,
     /// Say nothing but warnings and errors.
     #[arg(short, long)]
     quiet: bool,
@@ -63,7 +67,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     } else {
         arguments.output.clone()
     };
-    check_outputs(&outputs)?;
+    check_outputs(&outputs, arguments.png_layers)?;
     let device = arguments.device.open()?;
     let settings = arguments.settings.settings(&scene);
     let say = |line: String| {
@@ -107,11 +111,18 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     // Where one cannot be written (a disk is full), the others still save the render.
     let mut written = Ok(());
     for path in &outputs {
-        let result = image::write_film(path, &film, &header, &picture_display);
-        if result.is_ok() {
+        let picture = image::write_film(path, &film, &header, &picture_display);
+        if picture.is_ok() {
             say(format!("wrote {}", path.display()));
         }
-        written = written.and(result);
+        written = written.and(picture);
+        if arguments.png_layers && is_png(path) {
+            let layers = image::write_png_layers(path, &film, &picture_display);
+            for path in layers.iter().flatten() {
+                say(format!("wrote {}", path.display()));
+            }
+            written = written.and(layers.map(|_| ()));
+        }
     }
     written?;
     Ok(if outcome.interrupted { Ending::Interrupted } else { Ending::Done })
@@ -163,14 +174,41 @@ fn catch_interrupt() -> Result<Arc<AtomicBool>, CliError> {
 }
 
 /// Fails where a render's pictures could not be written, or one would replace another.
-fn check_outputs(paths: &[PathBuf]) -> Result<(), CliError> {
+fn check_outputs(paths: &[PathBuf], png_layers: bool) -> Result<(), CliError> {
     for (index, path) in paths.iter().enumerate() {
         image::check_writable(path)?;
         if paths[..index].iter().any(|earlier| is_same_file(earlier, path)) {
             return Err(format!("{}: -o names this file twice; name each once", path.display()).into());
         }
     }
+    if png_layers {
+        check_layers(paths)?;
+    }
     Ok(())
+}
+
+/// As [`check_outputs`], of the layers beside the pictures.
+fn check_layers(pictures: &[PathBuf]) -> Result<(), CliError> {
+    let layers: Vec<PathBuf> =
+        pictures.iter().filter(|path| is_png(path)).flat_map(|path| image::png_layer_paths(path, false)).collect();
+    if layers.is_empty() {
+        return Err("--png-layers: no -o names a .png picture to write layers beside; add -o picture.png".into());
+    }
+    for (index, path) in layers.iter().enumerate() {
+        image::check_writable(path)?;
+        if layers[..index].iter().chain(pictures).any(|other| is_same_file(other, path)) {
+            return Err(format!(
+                "{}: would be written twice, at least once as a layer (--png-layers); give -o other names",
+                path.display()
+            )
+            .into());
+        }
+    }
+    Ok(())
+}
+
+fn is_png(path: &Path) -> bool {
+    matches!(Format::of(path), Ok(Format::Png))
 }
 
 /// A scene's name as a file name, of a length that every file system takes.

@@ -19,9 +19,4 @@ impl ColorImage {
     pub fn from_film(film: &Film) -> Self {
         Self { width: film.width, height: film.height, pixels: film.color() }
     }
-
-    /// True if there is a pixel and [`Self::pixels`] fits the size.
-    pub(super) fn is_consistent(&self) -> bool {
-        !self.pixels.is_empty() && self.pixels.len() as u64 == u64::from(self.width) * u64::from(self.height)
-    }
 }

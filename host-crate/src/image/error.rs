@@ -132,6 +132,19 @@ pub enum ImageError {
         /// The key.
         key: String,
     },
+    /// Colours cannot span a range.
+    #[error(
+        "{}: the colours cannot go from {low} to {high}; give two finite numbers, the smaller first",
+        path.display()
+    )]
+    ColorRange {
+        /// The picture.
+        path: PathBuf,
+        /// The number at the low end.
+        low: f32,
+        /// The number at the high end.
+        high: f32,
+    },
     /// The encoder refuses the picture.
     #[error("{}: cannot be stored as {format}: {reason}; choose another format or size", path.display())]
     Encode {
@@ -156,6 +169,14 @@ pub enum ImageError {
 }
 
 impl ImageError {
+    /// [`Self::BufferSize`] unless the buffer `what` has one value for each of at least one pixel.
+    pub(super) fn check_buffer(path: &Path, what: &str, values: usize, width: u32, height: u32) -> Result<(), Self> {
+        if values > 0 && values as u64 == u64::from(width) * u64::from(height) {
+            return Ok(());
+        }
+        Err(Self::BufferSize { path: path.to_owned(), what: what.to_owned(), values, width, height })
+    }
+
     /// What `source`, met while writing `path` into `folder`, means.
     pub(super) fn from_write(path: &Path, folder: &Path, source: io::Error) -> Self {
         let path = path.to_owned();

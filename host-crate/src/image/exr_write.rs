@@ -30,15 +30,8 @@ fn encode(path: &Path, image: &LayeredImage, settings: &[(String, String)]) -> R
     let size = Vec2(image.width as usize, image.height as usize);
     let mut channels = Vec::new();
     for channel in &image.channels {
-        if channel.values.is_empty() || channel.values.len() as u64 != size.0 as u64 * size.1 as u64 {
-            return Err(ImageError::BufferSize {
-                path: path.to_owned(),
-                what: format!("the channel {}", channel.name),
-                values: channel.values.len(),
-                width: image.width,
-                height: image.height,
-            });
-        }
+        let what = format!("the channel {}", channel.name);
+        ImageError::check_buffer(path, &what, channel.values.len(), image.width, image.height)?;
         channels.push(AnyChannel::new(text(&channel.name), FlatSamples::F32(channel.values.clone())));
     }
     let encoding = Encoding {
@@ -86,10 +79,11 @@ pub(super) mod tests {
     use crate::film::Film;
     use crate::image::{ColorImage, Display, read_color, read_layers, read_settings, write_color, write_film};
     use glam::Vec3;
+    use raystream_shaders::estimate::Estimate;
     use raystream_shaders::features::FeaturePixel;
     use raystream_shaders::film::FilmPixel;
 
-    /// A film whose every number differs; pixel 0 has no sample, pixel 1 only one.
+    /// A film without estimates whose every number differs; pixel 0 has no sample, pixel 1 only one.
     pub fn film(width: u32, height: u32) -> Film {
         let vector = |i: u32, k: u32| Vec3::new(0.1, 1.7, 900.3) * (i * 31 + k) as f32 / 7.0;
         let radiance = |i: u32| FilmPixel {
@@ -113,7 +107,17 @@ pub(super) mod tests {
             height,
             radiance: (0..pixels).map(radiance).collect(),
             features: (0..pixels).map(features).collect(),
+            estimates: None,
         }
+    }
+
+    /// [`film`], with estimates whose every number differs.
+    pub fn film_with_estimates(width: u32, height: u32) -> Film {
+        let estimate = |i: u32| Estimate {
+            filtered: Vec3::new(0.2, 1.9, 700.1) * (i * 17 + 1) as f32 / 3.0,
+            squared_error: (i * i) as f32 / 7.0,
+        };
+        Film { estimates: Some((0..width * height).map(estimate).collect()), ..film(width, height) }
     }
 
     fn bits(values: impl IntoIterator<Item = f32>) -> Vec<u32> {
@@ -126,10 +130,12 @@ pub(super) mod tests {
 
     #[test]
     fn every_layer_comes_back_bit_for_bit() {
-        for (width, height) in [(1, 1), (1, 37), (53, 1), (19, 33)] {
+        let sizes = [(1, 1), (1, 37), (53, 1), (19, 33)];
+        let films = sizes.map(|(w, h)| film(w, h)).into_iter().chain(sizes.map(|(w, h)| film_with_estimates(w, h)));
+        for film in films {
+            let (width, height) = (film.width, film.height);
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("film.exr");
-            let film = film(width, height);
             write_film(&path, &film, &[], &Display::default()).unwrap();
             let read = read_layers(&path).unwrap();
             assert_eq!((read.width, read.height), (width, height));
@@ -139,7 +145,7 @@ pub(super) mod tests {
                 ("samples.N".to_owned(), film.samples().iter().map(|&n| n as f32).collect()),
             ];
             let [even, odd] = film.halves();
-            let vectors = [
+            let mut vectors = vec![
                 ("", "RGB", film.color()),
                 ("variance.", "RGB", film.variance()),
                 ("even.", "RGB", even),
@@ -148,6 +154,10 @@ pub(super) mod tests {
                 ("normal.", "XYZ", film.normal()),
                 ("position.", "XYZ", film.position()),
             ];
+            if let Some(estimates) = &film.estimates {
+                expected.push(("error.V".to_owned(), estimates.iter().map(|e| e.squared_error).collect()));
+                vectors.push(("filtered.", "RGB", estimates.iter().map(|e| e.filtered).collect()));
+            }
             for (layer, components, values) in vectors {
                 for (i, component) in components.chars().enumerate() {
                     expected.push((format!("{layer}{component}"), values.iter().map(|v| v[i]).collect()));
@@ -206,6 +216,10 @@ pub(super) mod tests {
         short.features.pop();
         let error = write_film(&path, &short, &[], &Display::default()).unwrap_err().to_string();
         assert!(error.contains("a.exr") && error.contains("the features has 5 values") && error.contains("3x2"));
+        let mut short = film_with_estimates(3, 2);
+        short.estimates.as_mut().unwrap().pop();
+        let error = write_film(&path, &short, &[], &Display::default()).unwrap_err().to_string();
+        assert!(error.contains("the estimates has 5 values"), "{error}");
         write_film(&path, &film(0, 0), &[], &Display::default()).unwrap_err();
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);

@@ -38,6 +38,8 @@ impl LayeredImage {
     /// | `position.X` ... `Z` | mean position of the first surface, world units |
     /// | `depth.Z` | mean distance of the first surface from the camera, world units |
     /// | `samples.N` | samples of the pixel |
+    /// | `filtered.R` ... `B` | the filtered picture, linear Rec.709; only with estimates |
+    /// | `error.V` | estimated squared error of the mean radiance, the mean over the components; only with estimates |
     ///
     /// `samples.N` is a float as all the others are, which every viewer shows; it is exact up to 2^24 samples.
     /// `path` is named in errors.
@@ -45,17 +47,7 @@ impl LayeredImage {
     /// # Errors
     /// [`ImageError::BufferSize`] if a buffer of the film does not fit its size.
     pub fn from_film(path: &Path, film: &Film) -> Result<Self, ImageError> {
-        for (what, values) in [("the radiance", film.radiance.len()), ("the features", film.features.len())] {
-            if values as u64 != u64::from(film.width) * u64::from(film.height) {
-                return Err(ImageError::BufferSize {
-                    path: path.to_owned(),
-                    what: what.into(),
-                    values,
-                    width: film.width,
-                    height: film.height,
-                });
-            }
-        }
+        check_film(path, film)?;
         let [even, odd] = film.halves();
         let samples = film.samples().into_iter().map(|n| n as f32).collect();
         let mut channels = Vec::from(rgb("", &film.color()));
@@ -67,6 +59,12 @@ impl LayeredImage {
         channels.extend(xyz("position.", &film.position()));
         channels.push(Channel { name: "depth.Z".into(), values: film.depth() });
         channels.push(Channel { name: "samples.N".into(), values: samples });
+        if let Some(filtered) = film.filtered() {
+            channels.extend(rgb("filtered.", &filtered));
+        }
+        if let Some(values) = film.squared_error() {
+            channels.push(Channel { name: "error.V".into(), values });
+        }
         Ok(Self { width: film.width, height: film.height, channels })
     }
 
@@ -79,6 +77,21 @@ impl LayeredImage {
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
     }
+}
+
+/// Fails where a buffer of the film does not fit its size; `path` is named in the error.
+pub(super) fn check_film(path: &Path, film: &Film) -> Result<(), ImageError> {
+    let buffers = [
+        ("the radiance", Some(film.radiance.len())),
+        ("the features", Some(film.features.len())),
+        ("the estimates", film.estimates.as_ref().map(Vec::len)),
+    ];
+    for (what, values) in buffers {
+        if let Some(values) = values {
+            ImageError::check_buffer(path, what, values, film.width, film.height)?;
+        }
+    }
+    Ok(())
 }
 
 fn rgb(prefix: &str, values: &[Vec3]) -> [Channel; 3] {

@@ -15,19 +15,16 @@ use std::path::Path;
 /// [`ImageError`] if the pixels do not fit the picture's size or the file cannot be written. An existing file is
 /// then left as it was.
 pub fn write_png(path: &Path, image: &ColorImage, display: &Display) -> Result<(), ImageError> {
-    if !image.is_consistent() {
-        return Err(ImageError::BufferSize {
-            path: path.to_owned(),
-            what: "the colours".into(),
-            values: image.pixels.len(),
-            width: image.width,
-            height: image.height,
-        });
-    }
+    ImageError::check_buffer(path, "the colours", image.pixels.len(), image.width, image.height)?;
     let bytes: Vec<u8> = image.pixels.iter().flat_map(|&c| display.srgb8(c)).collect();
+    write_rgb8(path, image.width, image.height, &bytes)
+}
+
+/// Writes `width * height` pixels of 3 bytes (red, green, blue, sRGB), row by row from the top.
+pub(super) fn write_rgb8(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), ImageError> {
     let mut png = Vec::new();
     PngEncoder::new_with_quality(&mut png, CompressionType::Default, FilterType::Adaptive)
-        .write_image(&bytes, image.width, image.height, ExtendedColorType::Rgb8)
+        .write_image(bytes, width, height, ExtendedColorType::Rgb8)
         .map_err(|e| ImageError::Encode { path: path.to_owned(), format: "PNG", reason: e.to_string() })?;
     atomic::replace_file(path, &png)
 }

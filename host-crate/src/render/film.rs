@@ -93,7 +93,7 @@ impl<B> FilmBuffers<B> {
                 features[in_rows(offset)] = pixel;
             }
         }
-        Ok(Film { width, height, radiance, features })
+        Ok(Film { width, height, radiance, features, estimates: None })
     }
 }
 
