@@ -103,7 +103,7 @@ impl Round {
             contributions: &contributions,
             salt: self.salt,
         };
-        let size = StreamSize { preferred: self.slots, largest: self.slots };
+        let size = StreamSize { preferred: u32::MAX, largest: self.slots };
         let streams = allocator.streams(&film, u64::from(self.slots), size);
         let [stream] = streams.as_slice() else { panic!("one stream: {streams:?}") };
         executor.run(&allocator.fill(&buffers, stream)).unwrap();

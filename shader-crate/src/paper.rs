@@ -15,7 +15,7 @@ use crate::error_scale::{BlockErrors, is_live, magnitude, quantised};
 use crate::film::{Contribution, FilmPixel};
 use crate::sampler::hash;
 use crate::stream::Slot;
-use crate::wide::{multiply, multiply_divide};
+use crate::wide::{Wide, divide, multiply};
 
 /// Streams of a round before the last, thinned one.
 pub const STREAMS: u32 = 32;
@@ -136,9 +136,11 @@ pub fn paper_append(
     if lane >= state.wanted || state.taken == 0 {
         return;
     }
-    // Of all that wanted to be in, every so-manieth: all of them, unless the stream is thinned.
-    let place = multiply_divide(lane, state.taken, state.wanted);
-    if multiply_divide(lane + 1, state.taken, state.wanted) > place {
+    // Of all that wanted to be in, every so-manieth from a random one on: all of them, unless the stream is thinned.
+    let offset = multiply(hash(!params.salt), state.wanted).high;
+    let before = |count| divide(multiply(count, state.taken).plus(Wide { high: 0, low: offset }), state.wanted);
+    let place = before(lane);
+    if before(lane + 1) > place {
         let rank = kept[lane as usize];
         let sample = counts.get(rank);
         counts.set(rank, sample + 1);

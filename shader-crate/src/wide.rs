@@ -46,7 +46,11 @@ pub fn multiply(a: u32, b: u32) -> Wide {
 
 /// `a * b / c`, rounded down. `c > 0`, and the quotient must fit 32 bits, as it does where `a <= c`.
 pub fn multiply_divide(a: u32, b: u32, c: u32) -> u32 {
-    let product = multiply(a, b);
+    divide(multiply(a, b), c)
+}
+
+/// `product / c`, rounded down; `c > product.high`.
+pub fn divide(product: Wide, c: u32) -> u32 {
     // Long division, a bit at a time; the remainder stays below c, doubled it needs one bit more.
     let (mut remainder, mut quotient) = (product.high, 0_u32);
     let mut bit = 32;

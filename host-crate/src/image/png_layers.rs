@@ -109,7 +109,8 @@ mod tests {
     use super::*;
     use image::RgbImage;
     use raystream_shaders::estimate::Estimate;
-    use raystream_shaders::film::{FeaturePixel, FilmPixel};
+    use raystream_shaders::features::FeaturePixel;
+    use raystream_shaders::film::FilmPixel;
 
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<_> =
@@ -145,6 +146,7 @@ mod tests {
             hits: 4,
             normal: Vec3::new(4.0, -4.0, 0.0),
             depth: 12.0,
+            samples: 4,
             ..Default::default()
         };
         let estimate = |squared_error| Estimate { filtered: Vec3::new(0.5, 0.0, 1.0), squared_error };

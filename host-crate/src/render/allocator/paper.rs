@@ -56,12 +56,13 @@ impl<B> Paper<B> {
 
     /// Launches that make and append stream `number` of the round.
     fn append<'a>(&'a self, buffers: &RoundBuffers<'a, B>, stream: &Stream, number: u32) -> [Launch<'a, B>; 6] {
-        let parameters = self.parameters(stream, number, self.pixels);
+        let salt = hash(buffers.salt ^ hash(number));
+        let parameters = PaperParams { salt, ..self.parameters(stream, number, self.pixels) };
         let per_block = BlockParams::per_block(self.pixels);
         [
             Launch::new(
                 &kernels::paper_select,
-                &PaperParams { salt: hash(buffers.salt ^ hash(number)), ..parameters },
+                &parameters,
                 vec![buffers.errors.view(), self.scale.totals.view(), self.states.view(), self.keep.view()],
             ),
             Launch::new(&kernels::sum_blocks, &per_block, vec![self.keep.view(), self.sums.view()]),
