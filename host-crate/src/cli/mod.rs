@@ -7,6 +7,7 @@ mod options;
 mod output;
 mod progress;
 mod render;
+mod sampling;
 mod scenes;
 
 use clap::{Parser, Subcommand};

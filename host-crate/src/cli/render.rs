@@ -3,6 +3,7 @@
 use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
 use super::output::{self, is_same_file, rate};
 use super::progress::ProgressDisplay;
+use super::sampling::SamplingArguments;
 use super::{CliError, Ending, INTERRUPTED};
 use crate::exec::Executor;
 use crate::exec::device::Device;
@@ -26,12 +27,14 @@ pub struct RenderArguments {
     /// [default: the scene's name with .png].
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
-    /// Samples per pixel [default: 64, or as many as --time allows].
+    /// Samples per pixel on average over the pixels [default: 64, or as many as --time or --noise take].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
     spp: Option<u32>,
-    /// Stop after this time; what comes first, this or --spp, counts.
+    /// Stop after this time; what comes first of this, --spp and --noise counts.
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
     time: Option<Duration>,
+    #[command(flatten)]
+    sampling: SamplingArguments,
     #[command(flatten)]
     settings: SettingsArguments,
     #[command(flatten)]
@@ -42,8 +45,8 @@ pub struct RenderArguments {
     /// How a PNG shows what is brighter than its white.
     #[arg(long, value_enum, default_value_t = ToneMap::default())]
     tone_map: ToneMap,
-    /// Beside each .png picture, write its layers as pictures too: picture.samples.png (samples per pixel), picture.albedo.png,
-    /// picture.normal.png and picture.depth.png.
+    /// Beside each .png picture, write its layers as pictures too: picture.samples.png (samples per pixel), picture.error.png (estimated
+    /// error) and picture.filtered.png, where errors are estimated, picture.albedo.png, picture.normal.png and picture.depth.png.
     #[arg(long)]
     png_layers: bool,
     /// Say nothing but warnings and errors.
@@ -69,7 +72,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     };
     check_outputs(&outputs, arguments.png_layers)?;
     let device = arguments.device.open()?;
-    let settings = arguments.settings.settings(&scene);
+    let settings = Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
     let say = |line: String| {
         if !arguments.quiet {
             output::say(&line);
@@ -88,10 +91,9 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let prepared = arguments.settings.prepare(scene)?;
     tracing::debug!("built the BVH in {:.2} s", started.elapsed().as_secs_f64());
 
-    let budget = Budget {
-        samples: arguments.spp.or_else(|| arguments.time.is_none().then_some(DEFAULT_SAMPLES)),
-        time: arguments.time,
-    };
+    let has_no_other_end = arguments.time.is_none() && settings.sampling.noise.is_none();
+    let budget =
+        Budget { samples: arguments.spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES)), time: arguments.time };
     let mut display = ProgressDisplay::new(arguments.quiet);
     let (film, outcome) = match &device {
         Device::Cpu(cpu) => render_film(cpu, &prepared, &settings, budget, &interrupted, &mut display),
@@ -107,6 +109,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
     ];
     header.extend(arguments.settings.describe(&settings));
+    header.extend(arguments.sampling.describe());
     let picture_display = Display { exposure: arguments.exposure, tone_map: arguments.tone_map };
     // Where one cannot be written (a disk is full), the others still save the render.
     let mut written = Ok(());
@@ -190,7 +193,7 @@ fn check_outputs(paths: &[PathBuf], png_layers: bool) -> Result<(), CliError> {
 /// As [`check_outputs`], of the layers beside the pictures.
 fn check_layers(pictures: &[PathBuf]) -> Result<(), CliError> {
     let layers: Vec<PathBuf> =
-        pictures.iter().filter(|path| is_png(path)).flat_map(|path| image::png_layer_paths(path, false)).collect();
+        pictures.iter().filter(|path| is_png(path)).flat_map(|path| image::png_layer_paths(path, true)).collect();
     if layers.is_empty() {
         return Err("--png-layers: no -o names a .png picture to write layers beside; add -o picture.png".into());
     }

@@ -9,6 +9,7 @@ const TARGET: Duration = Duration::from_millis(100);
 const FIRST: u32 = 1 << 14;
 
 /// Adapts the size of a batch to the speed of the device.
+#[derive(Clone, Copy)]
 pub struct BatchSize {
     slots: u32,
     capacity: u32,

@@ -7,6 +7,8 @@ pub mod allocator;
 mod batch;
 mod bvh;
 mod camera;
+pub mod estimation;
+mod estimation_settings;
 pub mod film;
 pub mod integrator;
 mod lights;
@@ -19,6 +21,8 @@ mod scene_buffers;
 mod settings;
 
 pub use bvh::BvhQuality;
+pub use estimation_settings::{EstimationSettings, FilterSettings};
+pub use film::FilmBuffers;
 pub use prepare::PreparedScene;
 pub use renderer::Renderer;
 pub use run::{Budget, Outcome, Progress, RenderError, run};

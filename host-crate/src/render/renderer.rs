@@ -2,6 +2,7 @@
 
 use super::allocator::{self, Allocator, uniform::Uniform};
 use super::batch::BatchSize;
+use super::estimation::{ComingRound, Estimation, Noise};
 use super::film::FilmBuffers;
 use super::integrator::first_hits;
 use super::round::{Stage, allocate_stream};
@@ -22,6 +23,12 @@ pub struct Renderer<'e, E: Executor> {
     uniform: Uniform<E::Buffer>,
     /// The allocator of all rounds but the first; none where that is uniform too.
     adaptive: Option<Box<dyn Allocator<E>>>,
+    /// There is one where errors are asked for: by an allocator or by [`Sampling::noise`].
+    estimation: Option<Estimation<E::Buffer>>,
+    /// What the uniform allocator, which does not look, is given as errors.
+    no_errors: Array<E::Buffer, f32>,
+    /// Mean radiance of the picture as the first round saw it: what relative errors are relative to must not change under way.
+    mean_radiance: Option<f32>,
     batch: BatchSize,
     ray_counts: Array<E::Buffer, u32>,
     seed: u32,
@@ -45,8 +52,8 @@ impl<'e, E: Executor> Renderer<'e, E> {
         let sampling = settings.sampling;
         let is_uniform = sampling.allocator == AllocatorKind::Uniform;
         let adaptive = (!is_uniform).then(|| allocator::create(sampling.allocator, executor, film.pixels()));
-        let errors =
-            Array::zeroed(executor, "the errors of pixels", if is_uniform { 1 } else { film.pixels() as usize })?;
+        let estimates = !is_uniform || sampling.noise.is_some();
+        let estimation = estimates.then(|| Estimation::new(executor, settings.size));
         Ok(Self {
             batch: BatchSize::new(slots.len() as u32),
             stage: Stage {
@@ -56,11 +63,13 @@ impl<'e, E: Executor> Renderer<'e, E> {
                 parameters: scene.parameters(settings),
                 slots,
                 contributions,
-                errors,
             },
             sampling,
             uniform: Uniform::new(executor)?,
             adaptive: adaptive.transpose()?,
+            estimation: estimation.transpose()?,
+            no_errors: Array::zeroed(executor, "no errors", 1)?,
+            mean_radiance: None,
             ray_counts: Array::zeroed(executor, "ray counts", COUNTERS as usize)?,
             seed: settings.seed,
             rounds: 0,
@@ -100,21 +109,75 @@ impl<'e, E: Executor> Renderer<'e, E> {
     /// each has traced.
     pub fn round(&mut self, samples: u32, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
         let paths = u64::from(samples) * u64::from(self.pixels());
-        let (paths, timings) = self.stage.round(&self.uniform, Vec::new(), paths, 0, &mut self.batch, after_batch)?;
+        let estimate = Vec::new();
+        let (paths, timings) =
+            self.stage.round(&self.uniform, &self.no_errors, estimate, paths, 0, &mut self.batch, after_batch)?;
         self.finish_round(paths, timings)
     }
 
     fn adaptive_round(&mut self, paths_left: u64, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
-        let Some(adaptive) = &self.adaptive else { return Ok(Timings::default()) };
-        let pixels = self.pixels();
-        let average = self.paths as f64 / f64::from(pixels);
-        let samples = self.sampling.samples_of_round(average);
-        let paths = ((samples * f64::from(pixels)) as u64).clamp(1, paths_left);
-        let estimate = Vec::new();
+        let mut timings = Timings { estimation: self.measure_mean_radiance()?, ..Timings::default() };
+        let (Some(adaptive), Some(estimation)) = (&self.adaptive, &self.estimation) else { return Ok(timings) };
+        let paths = ((self.samples_of_round() * f64::from(self.pixels())) as u64).clamp(1, paths_left);
         let salt = hash(self.seed ^ hash(self.rounds));
-        let (paths, timings) =
-            self.stage.round(adaptive.as_ref(), estimate, paths, salt, &mut self.batch, after_batch)?;
+        let mut batch = self.batch;
+        let (paths, of_round) = self.stage.round(
+            adaptive.as_ref(),
+            estimation.errors(),
+            self.estimate(estimation),
+            paths,
+            salt,
+            &mut batch,
+            after_batch,
+        )?;
+        self.batch = batch;
+        timings += of_round;
         self.finish_round(paths, timings)
+    }
+
+    /// Samples of the coming round, on average over the pixels.
+    fn samples_of_round(&self) -> f64 {
+        let pixels = f64::from(self.pixels());
+        let largest = self.stage.slots.len() as f64 / pixels;
+        self.sampling.samples_of_round(self.paths as f64 / pixels).min(largest)
+    }
+
+    /// Launches that estimate the errors as they are, for the coming round.
+    fn estimate<'a>(&'a self, estimation: &'a Estimation<E::Buffer>) -> Vec<Launch<'a, E::Buffer>> {
+        let round =
+            ComingRound { samples: self.samples_of_round() as f32, mean_radiance: self.mean_radiance.unwrap_or(0.0) };
+        estimation.launches(&self.stage.film, &self.stage.parameters.camera, &self.sampling, round)
+    }
+
+    /// Measures the mean radiance, once there is any; the time that it took.
+    fn measure_mean_radiance(&mut self) -> Result<Duration, ExecError> {
+        match (&self.estimation, self.mean_radiance) {
+            (Some(estimation), None) if self.paths > 0 => {
+                let times = self.stage.executor.run(&self.estimate(estimation))?;
+                let noise = estimation.noise(self.stage.executor, 0.0)?;
+                self.mean_radiance = Some(noise.mean_radiance as f32);
+                Ok(times.into_iter().sum())
+            }
+            _ => Ok(Duration::ZERO),
+        }
+    }
+
+    /// The noise of the picture so far; none where errors are not estimated, see [`Sampling`].
+    pub fn noise(&mut self) -> Result<Option<Noise>, ExecError> {
+        self.measure_mean_radiance()?;
+        let (Some(estimation), Some(mean_radiance)) = (&self.estimation, self.mean_radiance) else { return Ok(None) };
+        self.stage.executor.run(&self.estimate(estimation))?;
+        estimation.noise(self.stage.executor, mean_radiance).map(Some)
+    }
+
+    /// Whether the picture's relative error is at most [`Sampling::noise`], or that of every pixel is; never before the first adaptive round.
+    pub fn has_converged(&mut self) -> Result<bool, ExecError> {
+        let Some(threshold) = self.sampling.noise else { return Ok(false) };
+        if self.paths < u64::from(self.sampling.initial_samples) * u64::from(self.pixels()) {
+            return Ok(false);
+        }
+        let noise = self.noise()?;
+        Ok(noise.is_some_and(|noise| noise.relative_error <= f64::from(threshold) || noise.unconverged == 0))
     }
 
     fn finish_round(&mut self, paths: u64, timings: Timings) -> Result<Timings, ExecError> {
@@ -156,8 +219,14 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(total)
     }
 
-    /// Copies the film to the host.
+    /// Copies the film to the host, with estimates of its errors where they are asked for.
     pub fn film(&self) -> Result<Film, ExecError> {
-        self.stage.film.read(self.stage.executor)
+        let executor = self.stage.executor;
+        let mut film = self.stage.film.read(executor)?;
+        if let Some(estimation) = &self.estimation {
+            executor.run(&self.estimate(estimation))?;
+            film.estimates = Some(estimation.read(executor)?);
+        }
+        Ok(film)
     }
 }

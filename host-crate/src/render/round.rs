@@ -26,32 +26,26 @@ pub struct Stage<'e, E: Executor> {
     pub slots: Array<E::Buffer, Slot>,
     /// What comes of it.
     pub contributions: Array<E::Buffer, Contribution>,
-    /// The errors by which allocators go; one element where nobody estimates.
-    pub errors: Array<E::Buffer, f32>,
 }
 
 /// Slots of the largest stream: 2^22 contributions are 134 MB, and four million paths fill any GPU.
 pub const MAX_STREAM: u32 = 1 << 22;
 
 impl<'e, E: Executor> Stage<'e, E> {
-    /// Runs a round of `paths` paths: `estimate` first, which is to fill the errors, then what `allocator` makes of them. `after_batch` is
+    /// Runs a round of `paths` paths: `estimate` first, which is to fill `errors`, then what `allocator` makes of them. `after_batch` is
     /// called with the number of paths that each batch has traced. Returns the paths traced and where the time went.
     pub fn round(
         &self,
         allocator: &dyn Allocator<E>,
+        errors: &Array<E::Buffer, f32>,
         estimate: Vec<Launch<'_, E::Buffer>>,
         paths: u64,
         salt: u32,
         batch: &mut BatchSize,
         after_batch: &mut dyn FnMut(u32),
     ) -> Result<(u64, Timings), ExecError> {
-        let buffers = RoundBuffers {
-            film: &self.film,
-            errors: &self.errors,
-            slots: &self.slots,
-            contributions: &self.contributions,
-            salt,
-        };
+        let buffers =
+            RoundBuffers { film: &self.film, errors, slots: &self.slots, contributions: &self.contributions, salt };
         let size = StreamSize { preferred: batch.slots(), largest: self.slots.len() as u32 };
         let mut timings = Timings::default();
         let mut filled = 0;

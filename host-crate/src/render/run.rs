@@ -63,9 +63,9 @@ pub enum RenderError {
 /// How often rays are counted.
 const RAY_COUNT_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Renders rounds until `budget` is spent or `interrupted` says so (asked after every round). `observe` is told of every batch.
+/// Renders rounds until `budget` is spent, the picture [has converged](Renderer::has_converged) or `interrupted` says so (asked after every round). `observe` is told of every batch.
 ///
-/// With neither samples nor time the render goes on until it is interrupted.
+/// With neither samples nor time nor a noise to reach the render goes on until it is interrupted.
 pub fn run<E: Executor>(
     renderer: &mut Renderer<'_, E>,
     budget: Budget,
@@ -84,7 +84,7 @@ pub fn run<E: Executor>(
         let paths = renderer.paths() - paths_before;
         let left = total_paths.map_or(u64::MAX, |total| total - paths);
         let spent = budget.time.is_some_and(|time| paths > 0 && start.elapsed() >= time);
-        if left == 0 || spent {
+        if left == 0 || spent || renderer.has_converged()? {
             break false;
         }
         // Without a single sample there is nothing to write.

@@ -1,5 +1,6 @@
 //! How a render spends its samples.
 
+use super::EstimationSettings;
 use clap::ValueEnum;
 
 /// How a render spends its samples: a first uniform round, then rounds of what the allocator makes of the estimated error.
@@ -17,6 +18,8 @@ pub struct Sampling {
     pub round_budget: Option<f32>,
     /// Estimated relative error (1 is as large as the picture) at which a pixel has converged and gets no more samples.
     pub noise: Option<f32>,
+    /// How estimators look at a pixel's neighbours.
+    pub estimation: EstimationSettings,
 }
 
 /// Who decides which pixels a round samples; see [`crate::render::allocator`].
@@ -54,6 +57,7 @@ impl Sampling {
         initial_samples: 5,
         round_budget: None,
         noise: None,
+        estimation: EstimationSettings::DEFAULT,
     };
 
     /// Samples per pixel, on average, of a round after pixels have got `average` samples each: [`Self::round_budget`], or enough that the
