@@ -22,6 +22,7 @@ mod png;
 mod tone;
 
 pub use agreement::{Agreement, agreement};
+pub(crate) use atomic::replace_file;
 pub use atomic::{check_writable, discard_unfinished};
 pub use color::ColorImage;
 pub use compare::{BlockComparison, Comparison, ComparisonSettings, compare};
