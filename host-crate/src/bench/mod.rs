@@ -1,9 +1,13 @@
-//! Measurements: traversal ([`rays`]) and whole paths ([`paths`]). Each checks its own result before it gives a figure.
+//! Measurements: traversal ([`rays`]), whole paths ([`paths`]) and what adaptive sampling gains ([`convergence`]). Each checks its own
+//! result before it gives a figure.
 
+pub mod convergence;
 pub mod paths;
 pub mod rays;
 
 use crate::exec::ExecError;
+use crate::image::ImageError;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// What can go wrong in a measurement.
@@ -18,6 +22,25 @@ pub enum BenchError {
     /// The result was wrong, so its speed is worth nothing.
     #[error("the measured result is wrong, no figure given: {0}")]
     Wrong(String),
+    /// A picture or another file could not be read or written.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// A folder for results could not be made or written to.
+    #[error("{}: files cannot be put into this folder: {source}; name another one", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A table or a plot could not be made of the results.
+    #[error("{what} could not be made: {reason}; please report it with the command that you ran")]
+    Report {
+        /// Which.
+        what: String,
+        /// What went wrong.
+        reason: String,
+    },
 }
 
 /// The middle one of `times`, which are not empty.

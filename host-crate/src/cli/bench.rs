@@ -1,5 +1,6 @@
 //! `raystream bench`
 
+use super::convergence::{self, ConvergenceArguments};
 use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
 use super::output::print_line;
 use super::{CliError, Ending};
@@ -18,6 +19,8 @@ pub enum BenchCommand {
     Rays(RaysArguments),
     /// Paths per second of whole renders.
     Paths(PathsArguments),
+    /// Error over time of adaptive and of uniform sampling: speed-ups at equal error, errors at equal time, and where the time goes.
+    Convergence(ConvergenceArguments),
 }
 
 /// The options of `raystream bench rays`.
@@ -60,6 +63,7 @@ const RAYS_SIZE: FilmSize = FilmSize { width: 1920, height: 1080 };
 /// Runs a measurement.
 pub fn run(command: &BenchCommand) -> Result<Ending, CliError> {
     match command {
+        BenchCommand::Convergence(arguments) => return convergence::run(arguments),
         BenchCommand::Rays(arguments) => arguments
             .common
             .for_each_scene(Some(RAYS_SIZE), |device, scene, settings| bench_rays(arguments, device, scene, settings)),

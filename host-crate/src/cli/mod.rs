@@ -2,6 +2,7 @@
 
 mod bench;
 mod compare;
+mod convergence;
 mod devices;
 mod options;
 mod output;

@@ -103,6 +103,11 @@ enum Bvh {
 }
 
 impl SettingsArguments {
+    /// The seed.
+    pub fn seed(&self) -> u32 {
+        self.seed
+    }
+
     /// The settings for `scene`.
     pub fn settings(&self, scene: &Scene) -> Settings {
         // The only one so far; a new one makes this line fail to compile.
@@ -155,7 +160,8 @@ pub fn load_scene(name: &Path) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-fn parse_size(text: &str) -> Result<FilmSize, String> {
+/// A size as `800x600`.
+pub fn parse_size(text: &str) -> Result<FilmSize, String> {
     let wrong = || format!("'{text}' is not WIDTHxHEIGHT in pixels, such as 800x600");
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
     let width = width.parse().map_err(|_| wrong())?;

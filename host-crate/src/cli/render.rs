@@ -215,7 +215,7 @@ fn is_png(path: &Path) -> bool {
 }
 
 /// A scene's name as a file name, of a length that every file system takes.
-fn file_stem(name: &str) -> String {
+pub fn file_stem(name: &str) -> String {
     let stem: String =
         name.chars().take(MAX_STEM).map(|c| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect();
     let stem = stem.trim_matches(['.', ' ']);

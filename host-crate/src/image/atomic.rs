@@ -23,7 +23,7 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
 
 /// Makes `bytes` the contents of `path`. On any error an existing file keeps its contents, and no other file is
 /// left behind.
-pub(super) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
     replace_file_with(path, |file| file.write_all(bytes))
 }
 

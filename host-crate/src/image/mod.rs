@@ -27,6 +27,7 @@ mod scale;
 mod tone;
 
 pub use agreement::{Agreement, agreement};
+pub(crate) use atomic::replace_file;
 pub use atomic::{check_writable, discard_unfinished};
 pub use color::ColorImage;
 pub use color_map::write_color_map;

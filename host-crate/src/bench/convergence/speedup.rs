@@ -1,0 +1,312 @@
+//! Curves set against each other: at equal error, and at equal time.
+
+use super::Measured;
+use super::curve::Point;
+use super::interpolation::{crossing, height};
+use crate::render::AllocatorKind;
+use serde::Serialize;
+
+/// Which error counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Metric {
+    /// Over all pixels.
+    #[serde(rename = "rmse")]
+    Rmse,
+    /// Without the worst 0.1 % of the pixels.
+    #[serde(rename = "trimmed_rmse")]
+    TrimmedRmse,
+}
+
+impl Metric {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Rmse, Self::TrimmedRmse];
+
+    /// The error of a point.
+    pub fn of(self, point: &Point) -> f64 {
+        match self {
+            Self::Rmse => point.errors.rmse,
+            Self::TrimmedRmse => point.errors.trimmed_rmse,
+        }
+    }
+
+    /// Its name in titles.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Rmse => "RMSE",
+            Self::TrimmedRmse => "RMSE without the worst 0.1 % of the pixels",
+        }
+    }
+
+    fn over_time(self, curve: &[Point]) -> Vec<(f64, f64)> {
+        curve.iter().map(|p| (p.wall.as_secs_f64(), self.of(p))).collect()
+    }
+
+    fn over_samples(self, curve: &[Point]) -> Vec<(f64, f64)> {
+        curve.iter().map(|p| (p.samples, self.of(p))).collect()
+    }
+}
+
+/// How much sooner a configuration reaches an error than a baseline does.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Speedup {
+    /// Name of the configuration.
+    pub configuration: String,
+    /// Name of what it is compared with.
+    pub baseline: String,
+    /// Which error.
+    pub metric: Metric,
+    /// Samples per pixel with which uniform sampling has that error.
+    pub uniform_samples: u32,
+    /// The error.
+    pub error: f64,
+    /// When the baseline reaches it.
+    pub baseline_seconds: Option<f64>,
+    /// When the configuration reaches it.
+    pub seconds: Option<f64>,
+    /// The baseline's time by the configuration's.
+    pub time_ratio: Option<f64>,
+    /// The baseline's samples by the configuration's.
+    pub samples_ratio: Option<f64>,
+    /// Why a figure is missing, or what to know of it.
+    pub note: String,
+}
+
+/// The error at the time that uniform sampling needs for a level.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EqualTime {
+    /// Name of the configuration.
+    pub configuration: String,
+    /// Which error.
+    pub metric: Metric,
+    /// Samples per pixel that uniform sampling has at this time.
+    pub uniform_samples: u32,
+    /// The time.
+    pub seconds: f64,
+    /// Uniform sampling's error.
+    pub uniform_error: f64,
+    /// The configuration's error; nothing if its curve does not span this time.
+    pub error: Option<f64>,
+    /// Uniform sampling's error by the configuration's.
+    pub error_ratio: Option<f64>,
+}
+
+/// The smallest speed-up over uniform sampling at any of its checkpoints with less error than after 16 samples.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Smallest {
+    /// Name of the configuration.
+    pub configuration: String,
+    /// Which error.
+    pub metric: Metric,
+    /// The smallest ratio of times; nothing if no checkpoint's error is reached.
+    pub time_ratio: Option<f64>,
+    /// Samples per pixel of uniform sampling where it is.
+    pub uniform_samples: Option<u32>,
+    /// Checkpoints whose error the curve spans.
+    pub reached: usize,
+    /// Checkpoints that count.
+    pub checkpoints: usize,
+}
+
+/// Errors below this many times the reference's noise are limited by the reference.
+pub const REFERENCE_MARGIN: f64 = 4.0;
+/// Samples per pixel that the smallest speed-up begins after.
+pub const SMALLEST_FROM: u32 = 16;
+
+/// Everything that follows from the curves of one scene.
+pub struct Comparisons {
+    /// At equal error, against uniform sampling and, where it was measured with the same estimator, against `atomic`.
+    pub speedups: Vec<Speedup>,
+    /// At equal time.
+    pub equal_time: Vec<EqualTime>,
+    /// The smallest speed-ups.
+    pub smallest: Vec<Smallest>,
+}
+
+impl Comparisons {
+    /// Sets all configurations but the first against it, which is uniform sampling, at `levels`. `noise` is the RMSE of the
+    /// reference.
+    pub fn of(measured: &[Measured], levels: &[u32], noise: f64) -> Self {
+        let mut comparisons = Self { speedups: Vec::new(), equal_time: Vec::new(), smallest: Vec::new() };
+        let Some((uniform, others)) = measured.split_first() else { return comparisons };
+        for metric in Metric::ALL {
+            for other in others {
+                for &level in levels {
+                    let Some(at) = uniform.curve.iter().find(|p| p.checkpoint == level) else { continue };
+                    comparisons.speedups.push(speedup(uniform, other, metric, at, noise));
+                    let atomic = others.iter().find(|o| is_atomic_counterpart(o, other));
+                    comparisons.speedups.extend(atomic.map(|atomic| speedup(atomic, other, metric, at, noise)));
+                    comparisons.equal_time.push(equal_time(other, metric, at));
+                }
+                comparisons.smallest.push(smallest(uniform, other, metric));
+            }
+        }
+        comparisons
+    }
+}
+
+fn is_atomic_counterpart(atomic: &Measured, other: &Measured) -> bool {
+    let (a, b) = (atomic.configuration, other.configuration);
+    a.allocator == AllocatorKind::Atomic && a != b && (a.estimator, a.relative) == (b.estimator, b.relative)
+}
+
+fn speedup(baseline: &Measured, other: &Measured, metric: Metric, at: &Point, noise: f64) -> Speedup {
+    let error = metric.of(at);
+    let [own, base] = [other, baseline].map(|m| crossing(&metric.over_time(&m.curve), error));
+    let [own_samples, base_samples] =
+        [other, baseline].map(|m| crossing(&metric.over_samples(&m.curve), error).place());
+    let ratio = |base: Option<f64>, own: Option<f64>| base.zip(own).map(|(base, own)| base / own);
+    let missing = if own.note().is_empty() { base.note() } else { own.note() };
+    let limited = error < REFERENCE_MARGIN * noise;
+    Speedup {
+        configuration: other.configuration.name(),
+        baseline: baseline.configuration.name(),
+        metric,
+        uniform_samples: at.checkpoint,
+        error,
+        baseline_seconds: base.place(),
+        seconds: own.place(),
+        time_ratio: ratio(base.place(), own.place()),
+        samples_ratio: ratio(base_samples, own_samples),
+        note: [missing, if limited { "limited by the reference" } else { "" }]
+            .iter()
+            .filter(|note| !note.is_empty())
+            .copied()
+            .collect::<Vec<_>>()
+            .join("; "),
+    }
+}
+
+fn equal_time(other: &Measured, metric: Metric, at: &Point) -> EqualTime {
+    let seconds = at.wall.as_secs_f64();
+    let error = height(&metric.over_time(&other.curve), seconds);
+    EqualTime {
+        configuration: other.configuration.name(),
+        metric,
+        uniform_samples: at.checkpoint,
+        seconds,
+        uniform_error: metric.of(at),
+        error,
+        error_ratio: error.map(|error| metric.of(at) / error),
+    }
+}
+
+fn smallest(uniform: &Measured, other: &Measured, metric: Metric) -> Smallest {
+    let limit = uniform.curve.iter().find(|p| p.checkpoint == SMALLEST_FROM).map(|p| metric.of(p));
+    let below = |p: &&Point| limit.is_some_and(|limit| metric.of(p) < limit);
+    let checkpoints: Vec<&Point> = uniform.curve.iter().filter(below).collect();
+    let curve = metric.over_time(&other.curve);
+    let ratios: Vec<(f64, u32)> = checkpoints
+        .iter()
+        .filter_map(|p| Some((p.wall.as_secs_f64() / crossing(&curve, metric.of(p)).place()?, p.checkpoint)))
+        .collect();
+    let smallest = ratios.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
+    Smallest {
+        configuration: other.configuration.name(),
+        metric,
+        time_ratio: smallest.map(|s| s.0),
+        uniform_samples: smallest.map(|s| s.1),
+        reached: ratios.len(),
+        checkpoints: checkpoints.len(),
+    }
+}
+
+/// The samples per pixel that `curve` has at a time, by interpolation; nothing outside its span.
+pub fn samples_at(curve: &[Point], seconds: f64) -> Option<f64> {
+    let samples: Vec<_> = curve.iter().map(|p| (p.wall.as_secs_f64(), p.samples)).collect();
+    height(&samples, seconds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Configuration;
+    use super::super::curve::tests::point;
+    use super::*;
+    use crate::render::Estimator;
+
+    /// Error 1 after a sample, falling with the root of the samples, times `gain`; every sample takes `seconds`.
+    fn measured(allocator: AllocatorKind, samples: &[u32], seconds: f64, gain: f64) -> Measured {
+        let configuration = match allocator {
+            AllocatorKind::Uniform => Configuration::UNIFORM,
+            _ => Configuration { allocator, estimator: Estimator::Bilateral, relative: false },
+        };
+        let point = |&n: &u32| point(f64::from(n), f64::from(n) * seconds, 1.0 / (gain * f64::from(n)).sqrt());
+        Measured { configuration, curve: samples.iter().map(point).collect(), rounds: Vec::new() }
+    }
+
+    const SAMPLES: [u32; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
+
+    fn close(a: Option<f64>, b: f64) {
+        assert!(a.is_some_and(|a| (a / b - 1.0).abs() < 1e-9), "{a:?} is not {b}");
+    }
+
+    #[test]
+    fn known_gains_are_found() {
+        // A third of the samples for the same error, each taking 1.5 times as long: twice as fast.
+        let all = [
+            measured(AllocatorKind::Uniform, &SAMPLES, 1.0, 1.0),
+            measured(AllocatorKind::Atomic, &SAMPLES, 3.0, 3.0),
+            measured(AllocatorKind::Runs, &SAMPLES, 1.5, 3.0),
+        ];
+        let comparisons = Comparisons::of(&all, &[64, 256], 0.0);
+        let find = |configuration: &str, baseline: &str, level| {
+            let found = comparisons.speedups.iter().find(|s| {
+                s.configuration == configuration
+                    && s.baseline == baseline
+                    && s.uniform_samples == level
+                    && s.metric == Metric::TrimmedRmse
+            });
+            found.unwrap().clone()
+        };
+        for level in [64, 256] {
+            let runs = find("runs-bilateral", "uniform", level);
+            close(runs.time_ratio, 2.0);
+            close(runs.samples_ratio, 3.0);
+            close(runs.seconds, f64::from(level) / 2.0);
+            assert_eq!(runs.note, "");
+            close(find("runs-bilateral", "atomic-bilateral", level).time_ratio, 2.0);
+            close(find("atomic-bilateral", "uniform", level).time_ratio, 1.0);
+        }
+        assert!(!comparisons.speedups.iter().any(|s| s.configuration == s.baseline));
+        for equal in comparisons.equal_time.iter().filter(|e| e.configuration == "runs-bilateral") {
+            close(equal.error_ratio, 2.0_f64.sqrt());
+        }
+        let smallest = &comparisons.smallest[1];
+        close(smallest.time_ratio, 2.0);
+        assert_eq!((smallest.reached, smallest.checkpoints), (5, 5));
+        close(samples_at(&all[2].curve, 96.0), 64.0);
+    }
+
+    #[test]
+    fn what_is_not_reached_is_said() {
+        let all = [
+            measured(AllocatorKind::Uniform, &SAMPLES, 1.0, 1.0),
+            measured(AllocatorKind::Runs, &[4, 8, 16, 32, 64], 2.0, 1.0),
+            measured(AllocatorKind::Paper, &[100, 200, 400], 1.0, 1.0),
+        ];
+        let comparisons = Comparisons::of(&all, &[64, 256], 0.02);
+        let notes: Vec<_> = comparisons.speedups[..4].iter().map(|s| (s.time_ratio.is_some(), &*s.note)).collect();
+        assert_eq!(
+            notes,
+            [
+                (true, ""),
+                (false, "not reached; limited by the reference"),
+                (false, "below it from the first point on"),
+                (true, "limited by the reference"),
+            ]
+        );
+        let smallest = &comparisons.smallest[0];
+        close(smallest.time_ratio, 0.5);
+        assert_eq!((smallest.reached, smallest.checkpoints), (2, 5));
+        let outside =
+            comparisons.equal_time.iter().find(|e| e.configuration == "runs-bilateral" && e.uniform_samples == 256);
+        assert_eq!(outside.unwrap().error, None);
+    }
+
+    #[test]
+    fn fewer_than_sixteen_samples_have_no_smallest() {
+        let all =
+            [measured(AllocatorKind::Uniform, &[4, 8], 1.0, 1.0), measured(AllocatorKind::Runs, &[4, 8], 1.0, 1.0)];
+        let smallest = &Comparisons::of(&all, &[4], 0.0).smallest[0];
+        assert_eq!((smallest.time_ratio, smallest.checkpoints), (None, 0));
+    }
+}

@@ -1,0 +1,313 @@
+//! `raystream bench convergence`
+
+use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_size};
+use super::output::{print_line, say};
+use super::progress::ProgressDisplay;
+use super::render::file_stem;
+use super::sampling::{EstimationArguments, RoundArguments};
+use super::{CliError, Ending};
+use crate::bench::convergence::{
+    About, Configuration, Folder, Identity, Plan, REFERENCE_SEED, Reference, SceneReport, checkpoints, measure,
+    write_scene,
+};
+use crate::exec::Executor;
+use crate::exec::device::Device;
+use crate::render::{AllocatorKind, Estimator, PreparedScene, Settings};
+use crate::scene::{FilmSize, Scene};
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+
+/// The options of `raystream bench convergence`.
+#[derive(Args)]
+pub struct ConvergenceArguments {
+    /// Scene files, or names of scenes that ship; each may end in @WIDTHxHEIGHT, the size of its picture.
+    #[arg(default_values = ["cornell_ball", "cornell_ball@600x600"], value_parser = parse_entry)]
+    scenes: Vec<Entry>,
+    /// Allocators to measure, separated by commas; uniform is measured in any case, once.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_values_t = ALLOCATORS)]
+    allocators: Vec<AllocatorKind>,
+    /// Error estimators to measure with each of them.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "bilateral")]
+    estimators: Vec<Estimator>,
+    /// Measures of the error to use with each of them.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "absolute")]
+    errors: Vec<ErrorMeasure>,
+    /// Samples per pixel to render, on average over the pixels.
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES / REFERENCE_FACTOR))]
+    spp: u32,
+    /// Samples per pixel of uniform sampling whose error and time the others are compared at, separated by commas [default: 64
+    /// and 256, as far as --spp goes].
+    #[arg(long, value_delimiter = ',', value_name = "LIST", value_parser = clap::value_parser!(u32).range(1..))]
+    levels: Vec<u32>,
+    /// Renders of each configuration, with the seeds from --seed on: errors are averaged, of times the median counts.
+    #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    repetitions: u32,
+    /// Samples per pixel of the reference [default: 64 times --spp].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MAX_SAMPLES))]
+    reference_spp: Option<u32>,
+    /// Folder to keep references in [default: raystream in the user's folder for caches, such as ~/.cache].
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Folder for the results: report.md, and a folder with tables, plots and pictures for each scene.
+    #[arg(short, long, value_name = "DIR", default_value = "convergence")]
+    output: PathBuf,
+    /// Do not say what happens meanwhile.
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    rounds: RoundArguments,
+    #[command(flatten)]
+    estimation: EstimationArguments,
+    #[command(flatten)]
+    settings: SettingsArguments,
+    #[command(flatten)]
+    device: DeviceArguments,
+}
+
+/// Beyond this many samples, their counts in an f32 are not exact.
+const MAX_SAMPLES: i64 = 1 << 24;
+/// Samples of the reference for each of a measured render, unless another number is asked for.
+const REFERENCE_FACTOR: i64 = 64;
+/// What is measured unless other allocators are named.
+const ALLOCATORS: [AllocatorKind; 4] =
+    [AllocatorKind::Uniform, AllocatorKind::Paper, AllocatorKind::Atomic, AllocatorKind::Runs];
+/// Where to compare unless other levels are named.
+const LEVELS: [u32; 2] = [64, 256];
+
+/// What an error is measured by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ErrorMeasure {
+    /// The error as it is.
+    Absolute,
+    /// By the brightness of its pixel.
+    Relative,
+}
+
+/// A scene as it was named.
+#[derive(Clone, Debug)]
+struct Entry {
+    scene: PathBuf,
+    size: Option<FilmSize>,
+}
+
+/// A scene to measure.
+struct Loaded {
+    label: String,
+    scene: Scene,
+    settings: Settings,
+}
+
+/// Measures all scenes.
+pub fn run(arguments: &ConvergenceArguments) -> Result<Ending, CliError> {
+    let levels = arguments.levels()?;
+    arguments.check_seed()?;
+    let scenes = arguments.load()?;
+    let cache = Folder::create(&arguments.cache_folder()?)?;
+    let output = Folder::create(&arguments.output)?;
+    let device = arguments.device.open()?;
+    let mut report = format!("{INTRODUCTION}\n");
+    for loaded in scenes {
+        let plan = Plan {
+            configurations: arguments.configurations(),
+            base: arguments.rounds.sampling(&arguments.estimation),
+            checkpoints: checkpoints(arguments.spp, &levels),
+            levels: levels.clone(),
+            repetitions: arguments.repetitions,
+        };
+        let scene_report = match &device {
+            Device::Cpu(cpu) => arguments.bench(cpu, &device, loaded, &plan, &cache, &output),
+            Device::Gpu(gpu) => arguments.bench(gpu.as_ref(), &device, loaded, &plan, &cache, &output),
+        }?;
+        report += &format!("\n{}", scene_report.section);
+        // After each scene: the next may take long.
+        output.write("report.md", report.as_bytes())?;
+        print_line(&scene_report.tables)?;
+    }
+    arguments.tell(&format!("wrote {}", output.file("report.md").display()));
+    Ok(Ending::Done)
+}
+
+const INTRODUCTION: &str = "# Adaptive against uniform sampling
+
+Times are those of the rounds by the clock on the wall, the medians of the repetitions; errors are averaged over them. *Trimmed*
+errors leave out the worst 0.1 % of the pixels. Between checkpoints curves are interpolated in log-log scale, beyond their ends
+never. A table's columns are explained above it; every figure is in the CSV files.";
+
+impl ConvergenceArguments {
+    fn levels(&self) -> Result<Vec<u32>, String> {
+        let mut levels = self.levels.clone();
+        if levels.is_empty() {
+            levels = LEVELS.iter().copied().filter(|&level| level <= self.spp).collect();
+        }
+        if levels.is_empty() {
+            levels.push(self.spp);
+        }
+        levels.sort_unstable();
+        levels.dedup();
+        match levels.iter().find(|&&level| level > self.spp) {
+            Some(level) => Err(format!(
+                "--levels {level} is beyond the {} samples per pixel of --spp; raise --spp or leave the level out",
+                self.spp
+            )),
+            None => Ok(levels),
+        }
+    }
+
+    /// Fails if a measured render would be the start of the reference.
+    fn check_seed(&self) -> Result<(), String> {
+        let seed = self.settings.seed();
+        if REFERENCE_SEED.wrapping_sub(seed) < self.repetitions {
+            return Err(format!("--seed {seed}: the reference has one of the seeds from here on; choose a lower one"));
+        }
+        Ok(())
+    }
+
+    fn load(&self) -> Result<Vec<Loaded>, CliError> {
+        let mut scenes: Vec<Loaded> = Vec::new();
+        for entry in &self.scenes {
+            let mut scene = load_scene(&entry.scene)?;
+            let settings = self.settings.settings(&scene);
+            let settings = Settings { size: entry.size.unwrap_or(settings.size), ..settings };
+            scene.film = settings.size;
+            let label = entry.label();
+            if scenes.iter().any(|other| other.label == label) {
+                return Err(format!(
+                    "the results of two scenes would go to {label}; name each scene once, or a copy under another name"
+                )
+                .into());
+            }
+            scenes.push(Loaded { label, scene, settings });
+        }
+        Ok(scenes)
+    }
+
+    fn configurations(&self) -> Vec<Configuration> {
+        let relative: Vec<bool> = self.errors.iter().map(|&measure| measure == ErrorMeasure::Relative).collect();
+        Configuration::combinations(&self.allocators, &self.estimators, &relative)
+    }
+
+    fn cache_folder(&self) -> Result<PathBuf, String> {
+        use etcetera::BaseStrategy;
+        match &self.cache {
+            Some(folder) => Ok(folder.clone()),
+            None => etcetera::choose_base_strategy()
+                .map(|strategy| strategy.cache_dir().join("raystream"))
+                .map_err(|error| format!("there is no folder for caches ({error}); name one with --cache")),
+        }
+    }
+
+    fn tell(&self, line: &str) {
+        if !self.quiet {
+            say(line);
+        }
+    }
+
+    fn bench<E: Executor>(
+        &self,
+        executor: &E,
+        device: &Device,
+        loaded: Loaded,
+        plan: &Plan,
+        cache: &Folder,
+        output: &Folder,
+    ) -> Result<SceneReport, CliError> {
+        let Loaded { label, scene, settings } = loaded;
+        let folder = output.folder(&label)?;
+        self.tell(&format!("{label}: {} triangles, on {}", scene.triangles.len(), device.name()));
+        let about = self.about(&label, &scene, &settings, device);
+        let samples = self.reference_spp.unwrap_or(REFERENCE_FACTOR as u32 * self.spp);
+        let reference_settings = Reference::settings(&settings);
+        let identity = Identity::new(&scene, &reference_settings, samples);
+        let prepared = self.settings.prepare(scene)?;
+        let path = cache.file(&format!("{label}-{samples}spp-{}.exr", identity.short()));
+        let reference = self.reference(executor, &prepared, &reference_settings, samples, &identity, &path)?;
+        let measurement =
+            measure(executor, &prepared, &settings, plan, &reference, &mut |line| self.tell(&format!("    {line}")))?;
+        self.tell("    pictures at equal time");
+        Ok(write_scene(executor, &prepared, &settings, plan, &reference, &measurement, &about, &folder)?)
+    }
+
+    /// The reference from the cache or, if it is not there or no good, rendered and put there.
+    fn reference<E: Executor>(
+        &self,
+        executor: &E,
+        scene: &PreparedScene,
+        settings: &Settings,
+        samples: u32,
+        identity: &Identity,
+        path: &Path,
+    ) -> Result<Reference, CliError> {
+        match Reference::load(path, identity, samples) {
+            Ok(Some(reference)) => {
+                self.tell(&format!("    reference from {}", path.display()));
+                return Ok(reference);
+            }
+            Ok(None) => self.tell(&format!("    rendering the reference with {samples} samples per pixel")),
+            Err(reason) => {
+                say(&format!("    {} cannot be used, {reason}: rendering the reference again", path.display()))
+            }
+        }
+        let mut display = ProgressDisplay::new(self.quiet);
+        let reference = Reference::render(executor, scene, settings, samples, &mut |progress| display.show(progress));
+        display.finish();
+        let reference = reference?;
+        reference.store(path, identity)?;
+        self.tell(&format!("    kept it as {}", path.display()));
+        Ok(reference)
+    }
+
+    fn about(&self, label: &str, scene: &Scene, settings: &Settings, device: &Device) -> About {
+        let fact = |name: &str, value: String| (name.to_owned(), value);
+        let mut facts = vec![
+            fact("device", device.name()),
+            fact("triangles", scene.triangles.len().to_string()),
+            fact("size", format!("{}x{}", settings.size.width, settings.size.height)),
+            fact("samples per pixel", self.spp.to_string()),
+            fact("repetitions", self.repetitions.to_string()),
+        ];
+        facts.extend(self.settings.describe(settings));
+        facts.push(fact("version", env!("CARGO_PKG_VERSION").into()));
+        About { label: label.to_owned(), facts }
+    }
+}
+
+impl Entry {
+    /// A name for folders and titles: `cornell_ball`, `cornell_ball@600x600`.
+    fn label(&self) -> String {
+        let stem = file_stem(&self.scene.file_stem().unwrap_or_default().to_string_lossy());
+        match self.size {
+            Some(size) => format!("{stem}@{}x{}", size.width, size.height),
+            None => stem,
+        }
+    }
+}
+
+/// A scene's name or file, and what follows the last `@` if it looks like a size.
+fn parse_entry(text: &str) -> Result<Entry, String> {
+    let looks_like_size = |text: &str| {
+        text.starts_with(|c: char| c.is_ascii_digit())
+            && text.chars().all(|c| c.is_ascii_digit() || matches!(c, 'x' | 'X'))
+    };
+    match text.rsplit_once('@') {
+        Some((scene, size)) if looks_like_size(size) => {
+            Ok(Entry { scene: scene.into(), size: Some(parse_size(size)?) })
+        }
+        _ => Ok(Entry { scene: text.into(), size: None }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_may_have_a_size() {
+        let entry = |text: &str| parse_entry(text).map(|e| (e.label(), e.size.map(|s| (s.width, s.height))));
+        assert_eq!(entry("cornell_ball"), Ok(("cornell_ball".into(), None)));
+        assert_eq!(entry("cornell_ball@60x50"), Ok(("cornell_ball@60x50".into(), Some((60, 50)))));
+        assert_eq!(entry("a@b/my scene.json"), Ok(("my scene".into(), None)));
+        assert_eq!(entry("a@b/c.json@1X2"), Ok(("c@1x2".into(), Some((1, 2)))));
+        assert!(entry("cornell_ball@600").unwrap_err().contains("WIDTHxHEIGHT"));
+        assert!(entry("cornell_ball@0x600").unwrap_err().contains("width"));
+    }
+}
