@@ -102,6 +102,34 @@ macro_rules! for_each_kernel {
                 read 3 triangles: $crate::glam::UVec4,
                 write 4 occluded: u32,
             }
+            /// Makes the guides of a band's pixels.
+            make_guides[64] = $crate::guide::make_guides {
+                uniform 0 parameters: $crate::guide::GuideParams,
+                read 1 film: $crate::film::FilmPixel,
+                read 2 features: $crate::features::FeaturePixel,
+                write 3 guides: $crate::guide::Guide,
+            }
+            /// Estimates errors by a joint bilateral filter.
+            filter_errors[64] = $crate::filter::filter_errors {
+                uniform 0 parameters: $crate::filter::FilterParams,
+                read 1 guides: $crate::guide::Guide,
+                write 2 estimates: $crate::estimate::Estimate,
+                write 3 errors: f32,
+            }
+            /// Estimates errors by the variance of means.
+            noise_errors[64] = $crate::estimate::noise_errors {
+                uniform 0 parameters: $crate::estimate::NoiseParams,
+                read 1 guides: $crate::guide::Guide,
+                write 2 estimates: $crate::estimate::Estimate,
+                write 3 errors: f32,
+            }
+            /// Adds up relative errors and counts pixels that have not converged.
+            total_errors[64] = $crate::estimate::total_errors {
+                uniform 0 parameters: $crate::estimate::TotalParams,
+                read 1 estimates: $crate::estimate::Estimate,
+                read 2 errors: f32,
+                write 3 totals: $crate::estimate::ErrorTotal,
+            }
         }
     };
 }

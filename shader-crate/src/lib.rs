@@ -6,14 +6,17 @@
 //!
 //! Reading order, along one sample: [`tiles`] and [`stream`] (which pixel a slot traces), [`sampler`],
 //! [`camera`], [`path`] (the tracer), [`bvh`] and [`triangle`], [`surface`], [`material`], [`light`],
-//! and back into the [`film`].
+//! and back into the [`film`]. Between rounds, [`guide`], [`filter`] and [`estimate`] say where the film is wrong.
 #![no_std]
 #![deny(missing_docs)]
 
 pub mod bvh;
 pub mod camera;
+pub mod estimate;
 pub mod features;
 pub mod film;
+pub mod filter;
+pub mod guide;
 pub mod kernels;
 pub mod light;
 pub mod material;

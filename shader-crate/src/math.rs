@@ -60,3 +60,14 @@ pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
     let ratio = other / pdf;
     1.0 / (1.0 + ratio * ratio)
 }
+
+/// Whether `x` is neither infinite nor NaN, by its bits: GPUs may compute as if there were no such numbers.
+pub fn is_finite(x: f32) -> bool {
+    const EXPONENT: u32 = 0x7f80_0000;
+    x.to_bits() & EXPONENT != EXPONENT
+}
+
+/// Whether all components of `v` are finite.
+pub fn is_finite_vector(v: Vec3) -> bool {
+    is_finite(v.x) && is_finite(v.y) && is_finite(v.z)
+}

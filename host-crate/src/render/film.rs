@@ -55,6 +55,22 @@ impl<B> FilmBuffers<B> {
         Ok(Self { size, bands })
     }
 
+    /// A copy of `film`.
+    pub fn from_film<E: Executor<Buffer = B>>(executor: &E, film: &Film) -> Result<Self, ExecError> {
+        let (width, height) = (film.width, film.height);
+        let mut buffers = Self::new(executor, FilmSize { width, height })?;
+        for band in &mut buffers.bands {
+            let rows = (band.first_rank..band.first_rank + band.film.len() as u32).map(|rank| {
+                let (x, y) = pixel_of_rank(rank, width, height);
+                (y * width + x) as usize
+            });
+            let (radiance, features): (Vec<_>, Vec<_>) = rows.map(|p| (film.radiance[p], film.features[p])).unzip();
+            band.film = Array::from_slice(executor, "the film", &radiance)?;
+            band.features = Array::from_slice(executor, "the film's features", &features)?;
+        }
+        Ok(buffers)
+    }
+
     /// The pieces.
     pub fn bands(&self) -> &[Band<B>] {
         &self.bands

@@ -7,6 +7,8 @@ pub mod allocator;
 mod batch;
 mod bvh;
 mod camera;
+pub mod estimation;
+mod estimation_settings;
 mod film;
 pub mod integrator;
 mod lights;
@@ -17,6 +19,8 @@ mod sampling;
 mod scene_buffers;
 
 pub use bvh::BvhQuality;
+pub use estimation_settings::{EstimationSettings, FilterSettings};
+pub use film::FilmBuffers;
 pub use prepare::PreparedScene;
 pub use renderer::{Renderer, Settings, Techniques, Timings};
 pub use run::{Budget, Outcome, Progress, RenderError, run};
