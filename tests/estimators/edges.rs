@@ -35,7 +35,7 @@ fn edges_of_features_are_not_blurred() {
     ];
     for (name, change) in edges {
         let error = largest_error(&estimate(&step(change), &absolute(Estimator::Bilateral), &plain()));
-        // exp(-8), what is left of a weight at 4 standard deviations, of all neighbours together.
+        // exp(-8) is what is left of a weight at 4 standard deviations; all these edges are farther than that.
         assert!(error < 3e-4_f32.powi(2), "{name}: {error}");
     }
 }
@@ -48,7 +48,8 @@ fn without_the_color_term_shadows_are_blurred_and_with_it_they_survive() {
     let beside = blurred.estimates[(HEIGHT / 2 * WIDTH + WIDTH / 2) as usize].squared_error;
     assert!(beside > 0.3_f32.powi(2) && beside < 0.5_f32.powi(2), "{beside}");
     let kept = estimate(&film, &absolute(Estimator::Bilateral), &EstimationSettings::default());
-    assert_eq!(largest_error(&kept), 0.0);
+    // Sums of up to 121 colours round.
+    assert!(largest_error(&kept) < (2.0 * 121.0 * f32::EPSILON).powi(2));
 }
 
 /// A shadow under noise: as long as noise hides it, it is blurred, and what that costs is less than the noise.
@@ -65,8 +66,8 @@ fn shadows_survive_when_noise_is_below_them() {
         let column = |x: u32| (0..HEIGHT).map(|y| estimates[(y * WIDTH + x) as usize].filtered.x).sum::<f32>();
         (column(WIDTH / 2) - column(WIDTH / 2 - 1)) / HEIGHT as f32
     };
-    // Noise of 5 % of the step, with a standard error of the column's mean that is a quarter of that at most.
-    assert!((mean_difference_at_edge(0.05) - 1.0).abs() < 0.05);
+    // The means over 16 pixels differ by 5 % * sqrt(2 / 16) = 1.8 % if nothing were filtered; this is 5 times that.
+    assert!((mean_difference_at_edge(0.05) - 1.0).abs() < 0.09);
     assert!(mean_difference_at_edge(1.0) < 0.5);
 }
 
