@@ -177,7 +177,10 @@ impl Centre {
             if exponent >= LARGEST_EXPONENT {
                 return LARGEST_EXPONENT;
             }
-            exponent += self.normal_factor * (unpack_normal(tap.normal) - self.normal).length_squared();
+            // Most neighbours lie on the same flat surface.
+            if tap.normal != self.guide.normal {
+                exponent += self.normal_factor * (unpack_normal(tap.normal) - self.normal).length_squared();
+            }
         }
         if self.color {
             exponent += self.color_exponent(tap);

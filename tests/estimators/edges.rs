@@ -9,6 +9,9 @@ use raystream_shaders::features::FeaturePixel;
 const WIDTH: u32 = 24;
 const HEIGHT: u32 = 16;
 
+/// An alteration of a pixel's features.
+type Change = &'static dyn Fn(&mut FeaturePixel);
+
 /// A wall without noise, bright on the right half, where `change` alters the features.
 fn step(change: impl Fn(&mut FeaturePixel)) -> Film {
     let mut film = wall(WIDTH, HEIGHT, SAMPLES, |x, _, _| Vec3::splat(if x < WIDTH / 2 { 1.0 } else { 2.0 }));
@@ -26,10 +29,10 @@ fn largest_error(estimates: &Estimates) -> f32 {
 
 #[test]
 fn edges_of_features_are_not_blurred() {
-    let samples = SAMPLES as f32;
-    let edges: [(&str, &dyn Fn(&mut FeaturePixel)); 4] = [
-        ("albedo", &|f| f.albedo = Vec3::new(0.5, 0.9, 0.5) * samples),
-        ("normal", &|f| f.normal = Vec3::X * samples),
+    const SUM: f32 = SAMPLES as f32;
+    let edges: [(&str, Change); 4] = [
+        ("albedo", &|f| f.albedo = Vec3::new(0.5, 0.9, 0.5) * SUM),
+        ("normal", &|f| f.normal = Vec3::X * SUM),
         ("position", &|f| f.position *= 2.0),
         ("background", &|f| *f = FeaturePixel { samples: f.samples, ..FeaturePixel::default() }),
     ];
