@@ -3,7 +3,7 @@
 //! The filter averages a pixel with its neighbours, by weights that are products of Gaussians of pixel distance, world distance, difference of
 //! normals and difference of albedos (Podee et al.). What edges it must not blur, these features say. Some edges they do not know, a
 //! shadow's for one; there the filter blurs what is right, and takes the pixels of the edge for wrong, for ever. A fifth factor, which can be
-//! switched off, looks at the colours themselves: what two pixels differ by beyond their noise is real. See [`Centre::color_exponent`].
+//! switched off, looks at the colours themselves: what two pixels differ by beyond their noise is real. See `Centre::color_exponent`.
 
 use crate::device_struct;
 use crate::estimate::{ErrorForm, Estimate};
@@ -177,7 +177,10 @@ impl Centre {
             if exponent >= LARGEST_EXPONENT {
                 return LARGEST_EXPONENT;
             }
-            exponent += self.normal_factor * (unpack_normal(tap.normal) - self.normal).length_squared();
+            // Most neighbours lie on the same flat surface.
+            if tap.normal != self.guide.normal {
+                exponent += self.normal_factor * (unpack_normal(tap.normal) - self.normal).length_squared();
+            }
         }
         if self.color {
             exponent += self.color_exponent(tap);
