@@ -90,7 +90,7 @@ mod tests {
     fn power_laws_are_met_exactly() {
         for (factor, exponent) in [(1.0, -0.5), (0.3, -0.4), (7.0, -1.0)] {
             let curve = power_law(factor, exponent);
-            for x in [1.0, 1.1, 3.0, 100.0, 511.9, 512.0] {
+            for x in [1.0_f64, 1.1, 3.0, 100.0, 511.9, 512.0] {
                 let y = factor * x.powf(exponent);
                 close(height(&curve, x).unwrap(), y);
                 close(crossing(&curve, y * (1.0 + 1e-15)).place().unwrap_or(1.0), x);

@@ -25,7 +25,7 @@ pub use curve::{Point, checkpoints};
 pub use errors::{Errors, TRIM};
 pub use files::Folder;
 pub use identity::Identity;
-pub use reference::{REFERENCE_SEED, Reference};
+pub use reference::{REFERENCE_SEEDS, Reference};
 pub use report::{About, SceneReport, write_scene};
 pub use rounds::{Breakdown, Rate, Round, UniformRates};
 

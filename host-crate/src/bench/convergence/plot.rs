@@ -185,7 +185,7 @@ mod tests {
         for part in ["<svg", "</svg>", "Cornell", "seconds", "RMSE", "uniform", "runs-&lt;x&gt;"] {
             assert!(svg.contains(part), "{part} is missing");
         }
-        assert_eq!(svg.matches("<polyline").count(), 2 + 2, "two curves and their legends");
+        assert_eq!(svg.matches("<circle").count(), 2 * 8, "a mark for each point");
     }
 
     #[test]
