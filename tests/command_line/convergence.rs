@@ -56,7 +56,8 @@ fn everything_is_written() {
     }
     for row in &curves {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
-        assert!(number("rmse") > 0.0 && number("trimmed_rmse") <= number("rmse"), "{row:?}");
+        // A thousandth of so few pixels is none: both are one, but for the order of their sum.
+        assert!(number("rmse") > 0.0 && (number("trimmed_rmse") / number("rmse") - 1.0).abs() < 1e-12, "{row:?}");
     }
     assert!(curves.iter().any(|row| row["configuration"] == "runs-bilateral"));
 
@@ -123,11 +124,11 @@ fn arguments_that_are_wrong() {
         ("cornell_ball@600", &["cornell_ball@600", "WIDTHxHEIGHT"]),
         ("cornell_ball cornell_ball", &["cornell_ball", "once"]),
         ("--seed 1919247974", &["--seed", "reference"]),
-        ("--output file", &["file", "folder"]),
-        ("--output file/below", &["file/below", "folder"]),
+        ("--cache . --output file", &["file", "folder"]),
+        ("--cache . --output file/below", &["file/below", "folder"]),
         ("--cache file", &["file", "folder"]),
     ] {
-        run(folder.path(), &format!("bench convergence --device cpu --cache . {arguments}")).failed(parts);
+        run(folder.path(), &format!("bench convergence --device cpu {arguments}")).failed(parts);
         assert_eq!(names(folder.path()), ["file"], "after {arguments}");
     }
 }

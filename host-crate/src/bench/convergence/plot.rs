@@ -44,6 +44,8 @@ fn draw_curves(
             .configure_mesh()
             .x_desc(x_title)
             .y_desc(y_title)
+            .x_labels(24)
+            .y_labels(24)
             .x_label_formatter(&|x| tick(*x))
             .y_label_formatter(&|y| tick(*y))
             .label_style((FONT, 14))
@@ -163,10 +165,23 @@ fn tick_or_zero(value: f64) -> String {
     if value == 0.0 { "0".into() } else { tick(value) }
 }
 
+/// Colours that are told apart on white, also by most who see few colours.
+const COLORS: [RGBColor; 10] = [
+    RGBColor(0, 0, 0),
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(127, 60, 141),
+    RGBColor(140, 86, 75),
+    RGBColor(120, 120, 120),
+];
+
 /// A colour for the curve or part number `index`; the first is that of uniform sampling.
 fn color(index: usize) -> RGBColor {
-    let (r, g, b) = Palette99::COLORS[index % Palette99::COLORS.len()];
-    RGBColor(r, g, b)
+    COLORS[index % COLORS.len()]
 }
 
 #[cfg(test)]
