@@ -2,6 +2,8 @@
 
 #[path = "command_line/commands.rs"]
 mod commands;
+#[path = "command_line/convergence.rs"]
+mod convergence;
 #[path = "command_line/interrupt.rs"]
 mod interrupt;
 #[path = "command_line/memory.rs"]

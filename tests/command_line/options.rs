@@ -45,15 +45,28 @@ fn the_help_of_every_command() {
     let folder = tempfile::tempdir().unwrap();
     let settings = ["--size", "--seed", "--sampler", "--max-depth", "--rr-depth", "--integrator", "--bvh", "--device"];
     let render = ["--output", "--spp", "[default: 64", "--time", "--exposure", "--tone-map", "--quiet"];
+    let convergence = [
+        "--allocators",
+        "--estimators",
+        "--errors",
+        "--spp",
+        "--levels",
+        "--repetitions",
+        "--reference-spp",
+        "--cache",
+        "--output",
+        "--quiet",
+    ];
     for (command, options) in [
         ("", &["render", "compare", "devices", "scenes", "bench"][..]),
         ("render", &[&settings[..], &render].concat()),
         ("compare", &["--output", "--gain", "--json", "--reference-samples"]),
         ("devices", &["--naga", "--validation"]),
         ("scenes", &["--verbose"]),
-        ("bench", &["rays", "paths"]),
+        ("bench", &["rays", "paths", "convergence"]),
         ("bench rays", &[&settings[..], &["--repetitions", "--checks"]].concat()),
         ("bench paths", &[&settings[..], &["--time"]].concat()),
+        ("bench convergence", &[&settings[..], &convergence].concat()),
     ] {
         let help = run(folder.path(), &format!("{command} --help")).succeeded().stdout;
         for option in options {

@@ -7,7 +7,7 @@ use super::render::file_stem;
 use super::sampling::{EstimationArguments, RoundArguments};
 use super::{CliError, Ending};
 use crate::bench::convergence::{
-    About, Configuration, Folder, Identity, Plan, REFERENCE_SEED, Reference, SceneReport, checkpoints, measure,
+    About, Configuration, Folder, Identity, Plan, REFERENCE_SEEDS, Reference, SceneReport, checkpoints, measure,
     write_scene,
 };
 use crate::exec::Executor;
@@ -43,7 +43,7 @@ pub struct ConvergenceArguments {
     #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     repetitions: u32,
     /// Samples per pixel of the reference [default: 64 times --spp].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MAX_SAMPLES))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=MAX_SAMPLES))]
     reference_spp: Option<u32>,
     /// Folder to keep references in [default: raystream in the user's folder for caches, such as ~/.cache].
     #[arg(long, value_name = "DIR")]
@@ -153,10 +153,10 @@ impl ConvergenceArguments {
         }
     }
 
-    /// Fails if a measured render would be the start of the reference.
+    /// Fails if a measured render would be a part of the reference.
     fn check_seed(&self) -> Result<(), String> {
         let seed = self.settings.seed();
-        if REFERENCE_SEED.wrapping_sub(seed) < self.repetitions {
+        if REFERENCE_SEEDS.iter().any(|reference| reference.wrapping_sub(seed) < self.repetitions) {
             return Err(format!("--seed {seed}: the reference has one of the seeds from here on; choose a lower one"));
         }
         Ok(())

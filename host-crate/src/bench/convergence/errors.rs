@@ -44,17 +44,17 @@ impl Errors {
 }
 
 /// Each pixel's squared error, averaged over its components. The pictures are of one size.
-pub fn squared_errors(test: &ColorImage, reference: &ColorImage) -> Vec<f32> {
+pub fn squared_errors(test: &ColorImage, reference: &ColorImage) -> Vec<f64> {
     let pairs = test.pixels.iter().zip(&reference.pixels);
-    pairs.map(|(&t, &r)| (t.as_dvec3() - r.as_dvec3()).length_squared() as f32 / 3.0).collect()
+    pairs.map(|(&t, &r)| (t.as_dvec3() - r.as_dvec3()).length_squared() / 3.0).collect()
 }
 
 /// The mean of `values` without the largest share `trim` of them, at least one being kept; 0 if there are none. Sorts them.
-fn trimmed_mean(values: &mut [f32], trim: f64) -> f64 {
-    values.sort_by(f32::total_cmp);
+fn trimmed_mean(values: &mut [f64], trim: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
     let kept = (values.len() as f64 * (1.0 - trim)).round_ties_even() as usize;
     let kept = &values[..kept.clamp(values.len().min(1), values.len())];
-    kept.iter().map(|&v| f64::from(v)).sum::<f64>() / kept.len().max(1) as f64
+    kept.iter().sum::<f64>() / kept.len().max(1) as f64
 }
 
 #[cfg(test)]

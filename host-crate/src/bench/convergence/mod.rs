@@ -1,8 +1,8 @@
 //! Adaptive against uniform sampling: error over time, where the time goes, and what it gains.
 //!
-//! [`measure`] renders a scene in every [`Configuration`] and records error and time at checkpoints
-//! ([`render`], [`curve`]); [`speedup`] sets the curves against that of uniform sampling at equal error and at equal
-//! time, and [`report`] writes tables, plots and pictures. Errors are against a [`Reference`] of an independent seed.
+//! [`measure`] renders a scene in every [`Configuration`] and records error and time at [`checkpoints`]; [`write_scene`]
+//! sets the curves against that of uniform sampling, at equal error and at equal time, and writes tables, plots and
+//! pictures. Errors are against a [`Reference`] with seeds of its own.
 
 mod check;
 mod configuration;
@@ -25,7 +25,7 @@ pub use curve::{Point, checkpoints};
 pub use errors::{Errors, TRIM};
 pub use files::Folder;
 pub use identity::Identity;
-pub use reference::{REFERENCE_SEED, Reference};
+pub use reference::{REFERENCE_SEEDS, Reference};
 pub use report::{About, SceneReport, write_scene};
 pub use rounds::{Breakdown, Rate, Round, UniformRates};
 

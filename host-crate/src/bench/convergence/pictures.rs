@@ -59,7 +59,7 @@ pub fn write<E: Executor>(
         let configuration = measured.configuration;
         let film = render_to(executor, scene, &plan.settings(settings, configuration, 0), samples)?;
         let image = ColorImage::from_film(&film);
-        let squares = squared_errors(&image, &reference.image);
+        let squares: Vec<f32> = squared_errors(&image, &reference.image).into_iter().map(|v| v as f32).collect();
         // Uniform sampling comes first.
         let brightest = *brightest.get_or_insert_with(|| quantile(squares.clone(), RANGE));
         let name = configuration.name();

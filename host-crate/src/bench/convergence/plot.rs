@@ -39,11 +39,16 @@ fn draw_curves(
             .margin(14)
             .x_label_area_size(48)
             .y_label_area_size(76)
-            .build_cartesian_2d(x_range.log_scale(), y_range.log_scale())?;
+            .build_cartesian_2d(
+                x_range.clone().log_scale().with_key_points(ticks(&x_range)),
+                y_range.clone().log_scale().with_key_points(ticks(&y_range)),
+            )?;
         chart
             .configure_mesh()
             .x_desc(x_title)
             .y_desc(y_title)
+            .x_labels(MAX_TICKS)
+            .y_labels(MAX_TICKS)
             .x_label_formatter(&|x| tick(*x))
             .y_label_formatter(&|y| tick(*y))
             .label_style((FONT, 14))
@@ -76,6 +81,23 @@ fn draw_curves(
 fn padded(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
     if low > high { 0.1..10.0 } else { low / 1.3..high * 1.3 }
+}
+
+/// Ticks of an axis, at most.
+const MAX_TICKS: usize = 24;
+
+/// Ticks in a range: powers of ten, with twice and five times those where there is room.
+fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+    let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
+    let decades = (last - first) as usize;
+    let factors: &[f64] = if decades * 3 <= MAX_TICKS { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let step = decades.div_ceil(MAX_TICKS).max(1);
+    (first..=last)
+        .step_by(step)
+        // Parsed, a power of ten is the nearest number there is.
+        .flat_map(|exponent| factors.iter().filter_map(move |factor| format!("{factor}e{exponent}").parse().ok()))
+        .filter(|tick| range.contains(tick))
+        .collect()
 }
 
 /// A number at an axis: as short as it is exact to three digits.
@@ -163,10 +185,23 @@ fn tick_or_zero(value: f64) -> String {
     if value == 0.0 { "0".into() } else { tick(value) }
 }
 
+/// Colours that are told apart on white, also by most who see few colours.
+const COLORS: [RGBColor; 10] = [
+    RGBColor(0, 0, 0),
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(127, 60, 141),
+    RGBColor(140, 86, 75),
+    RGBColor(120, 120, 120),
+];
+
 /// A colour for the curve or part number `index`; the first is that of uniform sampling.
 fn color(index: usize) -> RGBColor {
-    let (r, g, b) = Palette99::COLORS[index % Palette99::COLORS.len()];
-    RGBColor(r, g, b)
+    COLORS[index % COLORS.len()]
 }
 
 #[cfg(test)]
@@ -185,7 +220,7 @@ mod tests {
         for part in ["<svg", "</svg>", "Cornell", "seconds", "RMSE", "uniform", "runs-&lt;x&gt;"] {
             assert!(svg.contains(part), "{part} is missing");
         }
-        assert_eq!(svg.matches("<polyline").count(), 2 + 2, "two curves and their legends");
+        assert_eq!(svg.matches("<circle").count(), 2 * 8, "a mark for each point");
     }
 
     #[test]
@@ -208,8 +243,15 @@ mod tests {
     }
 
     #[test]
+    fn ticks_are_round_and_few() {
+        assert_eq!(ticks(&(0.015..0.6)), [0.02, 0.05, 0.1, 0.2, 0.5]);
+        assert_eq!(ticks(&(1e-6..2e6)).len(), 13);
+        assert!(ticks(&(1e-300..1e300)).len() <= MAX_TICKS + 1);
+    }
+
+    #[test]
     fn ticks_are_short() {
-        let ticks = [0.001, 0.25, 1.0, 30.0, 1234.0, 1e-5, 2e7].map(tick);
-        assert_eq!(ticks, ["0.001", "0.25", "1", "30", "1234", "1e-5", "2e7"]);
+        let texts = [0.001, 0.25, 1.0, 30.0, 1234.0, 1e-5, 2e7].map(tick);
+        assert_eq!(texts, ["0.001", "0.25", "1", "30", "1234", "1e-5", "2e7"]);
     }
 }

@@ -8,33 +8,37 @@ use crate::image::{Channel, ColorImage, ImageError, LayeredImage, read_layers, r
 use crate::render::{Budget, PreparedScene, Progress, Renderer, Sampling, Settings, run};
 use glam::Vec3;
 use std::path::Path;
+use std::time::Instant;
 
-/// The seed of references, unlike that of any measured render.
-pub const REFERENCE_SEED: u32 = 0x7265_6665;
+/// The seeds of the two halves of references, unlike those of any measured render.
+pub const REFERENCE_SEEDS: [u32; 2] = [0x7265_6665, 0x7265_6666];
 
-/// A picture of many samples and how sure it is.
+/// A picture of many samples and how sure it is: the mean of two independent ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     /// Mean radiance.
     pub image: ColorImage,
     /// Variance of each pixel's mean, taking samples as independent: an upper bound where they are stratified.
     pub variance: Vec<Vec3>,
+    /// Half the difference of the two pictures, which errs as much as their mean does.
+    pub difference: Vec<Vec3>,
     /// Samples per pixel.
     pub samples: u32,
 }
 
 /// The channels that are stored.
-const CHANNELS: [&str; 6] = ["R", "G", "B", "variance.R", "variance.G", "variance.B"];
+const CHANNELS: [&str; 9] =
+    ["R", "G", "B", "variance.R", "variance.G", "variance.B", "difference.R", "difference.G", "difference.B"];
 /// The header's key for the digest of the pixels.
 const PIXELS: &str = "pixels";
 
 impl Reference {
     /// What a reference is rendered with where `settings` are measured.
     pub fn settings(settings: &Settings) -> Settings {
-        Settings { seed: REFERENCE_SEED, sampling: Sampling::UNIFORM, ..*settings }
+        Settings { seed: REFERENCE_SEEDS[0], sampling: Sampling::UNIFORM, ..*settings }
     }
 
-    /// Renders one of `samples` per pixel, at least 2. `settings` are those of [`Self::settings`].
+    /// Renders one of `samples` per pixel, at least 4. `settings` are those of [`Self::settings`].
     pub fn render<E: Executor>(
         executor: &E,
         scene: &PreparedScene,
@@ -42,19 +46,44 @@ impl Reference {
         samples: u32,
         observe: &mut dyn FnMut(&Progress),
     ) -> Result<Self, BenchError> {
-        let mut renderer = Renderer::new(executor, scene, settings)?;
-        run(&mut renderer, Budget { samples: Some(samples), time: None }, &|| false, observe)?;
-        Ok(Self::of_film(&renderer.film()?, samples))
+        let start = Instant::now();
+        let total_paths = Some(u64::from(samples) * u64::from(settings.size.width) * u64::from(settings.size.height));
+        let mut done = 0;
+        let mut half = |seed, samples| -> Result<Film, BenchError> {
+            let mut renderer = Renderer::new(executor, scene, &Settings { seed, ..*settings })?;
+            let budget = Budget { samples: Some(samples), time: None };
+            let outcome = run(&mut renderer, budget, &|| false, &mut |progress| {
+                observe(&Progress { paths: done + progress.paths, total_paths, elapsed: start.elapsed(), ..*progress });
+            })?;
+            done += outcome.paths;
+            Ok(renderer.film()?)
+        };
+        let first = half(REFERENCE_SEEDS[0], samples - samples / 2)?;
+        let second = half(REFERENCE_SEEDS[1], samples / 2)?;
+        Ok(Self::of_halves(&first, &second, samples))
     }
 
-    fn of_film(film: &Film, samples: u32) -> Self {
-        Self { image: ColorImage::from_film(film), variance: film.variance(), samples }
+    fn of_halves(first: &Film, second: &Film, samples: u32) -> Self {
+        let share = (samples - samples / 2) as f32 / samples as f32;
+        let combine = |a: Vec<Vec3>, b: Vec<Vec3>, of_a: f32, of_b: f32| -> Vec<Vec3> {
+            a.into_iter().zip(b).map(|(a, b)| a * of_a + b * of_b).collect()
+        };
+        Self {
+            image: ColorImage {
+                width: first.width,
+                height: first.height,
+                pixels: combine(first.color(), second.color(), share, 1.0 - share),
+            },
+            variance: combine(first.variance(), second.variance(), share * share, (1.0 - share) * (1.0 - share)),
+            difference: combine(first.color(), second.color(), 0.5, -0.5),
+            samples,
+        }
     }
 
-    /// Root of the mean variance over pixels and components: the RMSE that the reference itself has, at most.
+    /// The RMSE that the reference itself has, by the difference of its halves.
     pub fn noise(&self) -> f64 {
-        let sum: f64 = self.variance.iter().map(|v| v.as_dvec3().element_sum()).sum();
-        (sum / (3.0 * self.variance.len().max(1) as f64)).sqrt()
+        let sum: f64 = self.difference.iter().map(|d| d.as_dvec3().length_squared()).sum();
+        (sum / (3.0 * self.difference.len().max(1) as f64)).sqrt()
     }
 
     /// Writes it to the EXR file `path` with `identity`.
@@ -65,7 +94,7 @@ impl Reference {
             .enumerate()
             .map(|(i, name)| Channel {
                 name: (*name).to_owned(),
-                values: component(if i < 3 { &self.image.pixels } else { &self.variance }, i % 3),
+                values: component([&self.image.pixels, &self.variance, &self.difference][i / 3], i % 3),
             })
             .collect();
         let image = LayeredImage { width: self.image.width, height: self.image.height, channels };
@@ -97,8 +126,14 @@ impl Reference {
             Ok(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| Vec3::new(x, y, z)).collect())
         };
         let pixels = vectors(&CHANNELS[..3])?;
-        let variance = vectors(&CHANNELS[3..])?;
-        Ok(Some(Self { image: ColorImage { width: image.width, height: image.height, pixels }, variance, samples }))
+        let variance = vectors(&CHANNELS[3..6])?;
+        let difference = vectors(&CHANNELS[6..])?;
+        Ok(Some(Self {
+            image: ColorImage { width: image.width, height: image.height, pixels },
+            variance,
+            difference,
+            samples,
+        }))
     }
 }
 
@@ -111,6 +146,7 @@ mod tests {
         Reference {
             image: ColorImage { width: 3, height: 2, pixels: vectors(0.5) },
             variance: vectors(0.1),
+            difference: vectors(0.2),
             samples: 9,
         }
     }
@@ -120,9 +156,19 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_the_root_of_the_mean_variance() {
-        let mean = 0.1 * (1.0 + 2.0 + 3.0) / 3.0 * 2.5;
-        assert!((reference().noise() - f64::sqrt(mean)).abs() < 1e-7);
+    fn the_halves_tell_the_noise_of_their_mean() {
+        use raystream_shaders::film::FilmPixel;
+        // Means of 2 samples: 1 and 3, the samples of each 1 apart from their mean.
+        let film = |mean: f32| {
+            let sum_of_squares = Vec3::splat((mean - 1.0).powi(2) + (mean + 1.0).powi(2));
+            let pixel = FilmPixel { sum: Vec3::splat(2.0 * mean), samples: 2, sum_of_squares, ..Default::default() };
+            Film { width: 1, height: 1, radiance: vec![pixel], features: Vec::new() }
+        };
+        let reference = Reference::of_halves(&film(1.0), &film(3.0), 4);
+        assert_eq!(reference.image.pixels, [Vec3::splat(2.0)]);
+        assert_eq!(reference.noise(), 1.0);
+        // The variance of a mean of 2 is 1, that of the mean of two such means half of it.
+        assert_eq!(reference.variance, [Vec3::splat(0.5)]);
     }
 
     #[test]

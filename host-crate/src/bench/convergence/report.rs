@@ -62,7 +62,7 @@ pub fn write_scene<E: Executor>(
         tables += &format!("- {name}: {value}\n");
     }
     tables += &format!(
-        "- reference: {} samples per pixel, RMSE of at most {noise:.2e}; errors below {REFERENCE_MARGIN} times that are limited by it\n",
+        "- reference: {} samples per pixel, RMSE {noise:.2e} by its halves; errors below {REFERENCE_MARGIN} times that are limited by it\n",
         reference.samples
     );
     for warning in &measurement.warnings {
@@ -131,7 +131,7 @@ fn summary(
         text += "\nEqual error: the time that `atomic` with the same estimator needs, by what each configuration needs.\n\n";
         text += &markdown(&columns);
     }
-    text += "\nRounds, the first uniform one of adaptive sampling aside: device time of an average round, tracing rates, and those \
+    text += "\nRounds, the first of each configuration aside (it is uniform): device time of an average round, tracing rates, and those \
              rates by the ones of uniform rounds of the same lengths.\n\n";
     text + &markdown(&rounds(breakdowns))
 }

@@ -1,0 +1,134 @@
+//! `bench convergence` on a tiny picture.
+
+use crate::program::{Run, names, run};
+use std::path::Path;
+
+const TINY: &str = "bench convergence cornell_ball@16x12 --device cpu --spp 8 --levels 4 --reference-spp 32 --repetitions 1 \
+                    --allocators runs --cache cache --output out";
+
+fn tiny(folder: &Path) -> Run {
+    run(folder, TINY).succeeded()
+}
+
+/// The lines of a CSV file, split into named fields.
+fn csv(path: &Path) -> Vec<std::collections::HashMap<String, String>> {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let header = lines.next().expect("a header");
+    lines.map(|line| header.iter().cloned().zip(line).collect()).collect()
+}
+
+#[test]
+fn everything_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let stdout = tiny(folder.path()).says(&["rendering the reference with 32", "uniform, 1 of 1"]).stdout;
+    assert!(stdout.contains("## cornell_ball@16x12") && stdout.contains("runs-bilateral"), "{stdout}");
+    let out = folder.path().join("out");
+    assert_eq!(names(&out), ["cornell_ball@16x12", "report.md"]);
+    let scene = out.join("cornell_ball@16x12");
+    let files = [
+        "breakdown.svg",
+        "convergence-samples.svg",
+        "convergence-trimmed-samples.svg",
+        "convergence-trimmed.svg",
+        "convergence.svg",
+        "curves.csv",
+        "equal-time",
+        "equal_time.csv",
+        "rounds.csv",
+        "smallest.csv",
+        "speedups.csv",
+    ];
+    assert_eq!(names(&scene), files);
+    for picture in ["reference.png", "uniform.png", "uniform-error.png"] {
+        let picture = raystream::image::read_color(&scene.join("equal-time").join(picture)).unwrap();
+        assert_eq!((picture.width, picture.height), (16, 12));
+    }
+
+    let curves = csv(&scene.join("curves.csv"));
+    let uniform: Vec<_> = curves.iter().filter(|row| row["configuration"] == "uniform").collect();
+    let samples: Vec<_> = uniform.iter().map(|row| row["samples_per_pixel"].parse::<f64>().unwrap()).collect();
+    assert_eq!(samples, [1.0, 2.0, 3.0, 4.0, 6.0, 8.0]);
+    for pair in uniform.windows(2) {
+        let number = |row: usize, name: &str| pair[row][name].parse::<f64>().unwrap();
+        assert!(number(0, "seconds") < number(1, "seconds"));
+        assert!(number(0, "rays") < number(1, "rays"));
+    }
+    for row in &curves {
+        let number = |name: &str| row[name].parse::<f64>().unwrap();
+        // A thousandth of so few pixels is none: both are one, but for the order of their sum.
+        assert!(number("rmse") > 0.0 && (number("trimmed_rmse") / number("rmse") - 1.0).abs() < 1e-12, "{row:?}");
+    }
+    assert!(curves.iter().any(|row| row["configuration"] == "runs-bilateral"));
+
+    let rounds = csv(&scene.join("rounds.csv"));
+    assert_eq!(rounds.iter().filter(|row| row["configuration"] == "uniform").count(), 6);
+    assert!(rounds.iter().all(|row| row["tracing_ms"].parse::<f64>().unwrap() > 0.0));
+    let speedups = csv(&scene.join("speedups.csv"));
+    assert_eq!(speedups.len(), 2, "one level, with and without the worst pixels");
+    assert!(speedups.iter().all(|row| row["uniform_samples"] == "4" && row["baseline"] == "uniform"));
+    let report = std::fs::read_to_string(out.join("report.md")).unwrap();
+    for part in ["runs-bilateral", "cornell_ball@16x12/convergence.svg", "equal-time/uniform-error.png"] {
+        assert!(report.contains(part), "{part} is not in {report}");
+    }
+}
+
+#[test]
+fn the_reference_is_kept_and_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    tiny(folder.path());
+    let cache = folder.path().join("cache");
+    let [name] = <[String; 1]>::try_from(names(&cache)).unwrap();
+    let path = cache.join(&name);
+    let first = raystream::image::read_color(&path).unwrap();
+
+    let again = tiny(folder.path()).says(&["reference from", &name]);
+    assert!(!again.stderr.contains("rendering the reference"), "{}", again.stderr);
+
+    let whole = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    tiny(folder.path()).says(&[&name, "cannot be used", "rendering the reference again"]);
+    assert_eq!(raystream::image::read_color(&path).unwrap(), first);
+    tiny(folder.path()).says(&["reference from"]);
+
+    // Pixels of something else, under the header of the reference.
+    let layers = raystream::image::read_layers(&path).unwrap();
+    let mut header = raystream::image::read_settings(&path).unwrap();
+    header.insert("kernels".into(), "others".into());
+    let header: Vec<_> = header.into_iter().collect();
+    raystream::image::write_layers(&path, &layers, &header).unwrap();
+    tiny(folder.path()).says(&["cannot be used", "differs in kernels"]);
+
+    // Another depth is another picture, beside the first.
+    run(folder.path(), &format!("{TINY} --max-depth 3")).succeeded().says(&["rendering the reference"]);
+    assert_eq!(names(&cache).len(), 2);
+}
+
+#[test]
+fn arguments_that_are_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("file"), b"").unwrap();
+    for (arguments, parts) in [
+        ("--spp 8 --levels 4,16", &["--levels 16", "8 samples", "raise --spp"][..]),
+        ("--levels 0", &["--levels", "1.."]),
+        ("--levels some", &["--levels", "some"]),
+        ("--spp 0", &["--spp"]),
+        ("--spp 1000000", &["--spp"]),
+        ("--repetitions 0", &["--repetitions"]),
+        ("--reference-spp 3", &["--reference-spp", "4.."]),
+        ("--allocators all", &["--allocators", "runs"]),
+        ("--estimators guess", &["--estimators", "bilateral"]),
+        ("--errors squared", &["--errors", "relative"]),
+        ("no_such_scene", &["no_such_scene", "cornell_ball"]),
+        ("missing.json", &["missing.json"]),
+        ("cornell_ball@600", &["cornell_ball@600", "WIDTHxHEIGHT"]),
+        ("cornell_ball cornell_ball", &["cornell_ball", "once"]),
+        ("--seed 1919247974", &["--seed", "reference"]),
+        ("--cache . --output file", &["file", "folder"]),
+        ("--cache . --output file/below", &["file/below", "folder"]),
+        ("--cache file", &["file", "folder"]),
+    ] {
+        run(folder.path(), &format!("bench convergence --device cpu {arguments}")).failed(parts);
+        assert_eq!(names(folder.path()), ["file"], "after {arguments}");
+    }
+}
