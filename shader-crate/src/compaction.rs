@@ -4,10 +4,10 @@
 //! ([`scatter_kept`]): Billeter, Olsson, Assarsson, "Efficient Stream Compaction on Wide SIMD Many-Core Architectures", HPG 2009.
 
 use crate::access::Scatter;
-use crate::prefix::{BlockParams, Lane, PER_LANE, STEPS, before, scan_step};
+use crate::prefix::{BlockParams, Lane, PER_LANE, sum_before, sum_groups};
 
 /// Phases of [`scatter_kept`].
-pub const SCATTER_PHASES: u32 = STEPS + 2;
+pub const SCATTER_PHASES: u32 = 3;
 
 /// Kernel, in phases: writes the indices of all elements whose flag in `keep` is 1 (the others' is 0) to `kept`, in order. `offsets` are the
 /// numbers of kept elements before each block.
@@ -18,7 +18,7 @@ pub fn scatter_kept(
     keep: &[u32],
     offsets: &[u32],
     kept: &mut Scatter<'_, u32>,
-    memory: &mut [u32; 512],
+    memory: &mut [u32; 272],
 ) {
     let first = lane.first_element().min(params.elements);
     let end = (first + PER_LANE).min(params.elements);
@@ -30,10 +30,10 @@ pub fn scatter_kept(
             element += 1;
         }
         memory[lane.index as usize] = count;
-    } else if phase <= STEPS {
-        scan_step(phase - 1, lane.index, memory);
+    } else if phase == 1 {
+        sum_groups(lane, memory);
     } else {
-        let mut place = offsets[lane.group as usize] + before(lane.index, memory);
+        let mut place = offsets[lane.group as usize] + sum_before(lane, memory);
         let mut element = first;
         while element < end {
             if keep[element as usize] == 1 {

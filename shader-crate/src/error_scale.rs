@@ -6,7 +6,7 @@
 
 use crate::access::Scatter;
 use crate::device_struct;
-use crate::prefix::{BLOCK, BlockParams, LANES, Lane, STEPS, fold_partner};
+use crate::prefix::{BLOCK, BlockParams, GROUP, LANES, Lane};
 use crate::wide::Wide;
 
 /// The bits of an error that is not known to be 0: 0 for what is not finite, converged, or too small to be normal.
@@ -43,8 +43,8 @@ device_struct! {
     }
 }
 
-/// Phases of [`block_errors`].
-pub const BLOCK_PHASES: u32 = 2 * STEPS + 3;
+/// Phases of [`block_errors`] and of [`add_block_errors`].
+pub const PHASES: u32 = 5;
 
 /// Kernel, in phases: the largest exponent of each block of errors, and their sum.
 pub fn block_errors(
@@ -53,41 +53,35 @@ pub fn block_errors(
     params: &BlockParams,
     errors: &[f32],
     blocks: &mut Scatter<'_, BlockErrors>,
-    memory: &mut [u32; 1024],
+    memory: &mut [u32; 1088],
 ) {
-    let first = lane.group * BLOCK + lane.index;
     let end = (lane.group * BLOCK + BLOCK).min(params.elements);
+    let mut element = lane.group * BLOCK + lane.index;
     if phase == 0 {
-        let (mut exponent, mut live) = (0, 0);
-        let mut element = first;
+        let mut seen = BlockErrors::NOTHING;
         while element < end {
             let error = errors[element as usize];
-            exponent = exponent.max(magnitude(error) >> 23);
-            live += is_live(error) as u32;
+            seen.exponent = seen.exponent.max(magnitude(error) >> 23);
+            seen.live += is_live(error) as u32;
             element += LANES;
         }
-        set(memory, EXPONENT, lane.index, exponent);
-        set(memory, LIVE, lane.index, live);
-    } else if phase <= STEPS {
-        fold_exponent_and_live(phase - 1, lane.index, memory);
-    } else if phase == STEPS + 1 {
-        let mut sum = Wide { high: 0, low: 0 };
-        let mut element = first;
+        store_exponent(memory, lane.index, &seen);
+    } else if phase == 2 {
+        let exponent = exponent_of_all(memory).exponent;
+        let mut sum = Wide::ZERO;
         while element < end {
-            let low = quantised(magnitude(errors[element as usize]), get(memory, EXPONENT, 0));
-            sum = sum.plus(Wide { high: 0, low });
+            sum = sum.plus(Wide { high: 0, low: quantised(magnitude(errors[element as usize]), exponent) });
             element += LANES;
         }
-        set_sum(memory, lane.index, sum);
-    } else if phase <= 2 * STEPS + 1 {
-        fold_sums(phase - STEPS - 2, lane.index, memory);
-    } else if lane.index == 0 {
-        blocks.set(lane.group, total(memory));
+        store_sum(memory, lane.index, sum);
+    } else if phase == PHASES - 1 {
+        if lane.index == 0 {
+            blocks.set(lane.group, all(memory));
+        }
+    } else {
+        fold(phase, lane, memory);
     }
 }
-
-/// Phases of [`add_block_errors`].
-pub const ADD_PHASES: u32 = BLOCK_PHASES;
 
 /// Kernel, in phases, one workgroup: puts the errors of all blocks together, as the element after the last block.
 pub fn add_block_errors(
@@ -95,80 +89,100 @@ pub fn add_block_errors(
     lane: Lane,
     params: &BlockParams,
     blocks: &mut Scatter<'_, BlockErrors>,
-    memory: &mut [u32; 1024],
+    memory: &mut [u32; 1088],
 ) {
+    let mut block = lane.index;
     if phase == 0 {
-        let (mut exponent, mut live) = (0, 0);
-        let mut block = lane.index;
+        let mut seen = BlockErrors::NOTHING;
         while block < params.blocks {
             let errors = blocks.get(block);
-            exponent = exponent.max(errors.exponent);
-            live += errors.live;
+            seen.exponent = seen.exponent.max(errors.exponent);
+            seen.live += errors.live;
             block += LANES;
         }
-        set(memory, EXPONENT, lane.index, exponent);
-        set(memory, LIVE, lane.index, live);
-    } else if phase <= STEPS {
-        fold_exponent_and_live(phase - 1, lane.index, memory);
-    } else if phase == STEPS + 1 {
-        let mut sum = Wide { high: 0, low: 0 };
-        let mut block = lane.index;
+        store_exponent(memory, lane.index, &seen);
+    } else if phase == 2 {
+        let exponent = exponent_of_all(memory).exponent;
+        let mut sum = Wide::ZERO;
         while block < params.blocks {
             let errors = blocks.get(block);
             let own = Wide { high: errors.sum_high, low: errors.sum_low };
-            sum = sum.plus(own.shifted_right(get(memory, EXPONENT, 0) - errors.exponent));
+            sum = sum.plus(own.shifted_right(exponent - errors.exponent));
             block += LANES;
         }
-        set_sum(memory, lane.index, sum);
-    } else if phase <= 2 * STEPS + 1 {
-        fold_sums(phase - STEPS - 2, lane.index, memory);
-    } else if lane.index == 0 {
-        blocks.set(params.blocks, total(memory));
+        store_sum(memory, lane.index, sum);
+    } else if phase == PHASES - 1 {
+        if lane.index == 0 {
+            blocks.set(params.blocks, all(memory));
+        }
+    } else {
+        fold(phase, lane, memory);
     }
 }
 
-// The four quarters of the workgroup's memory.
+impl BlockErrors {
+    const NOTHING: Self = Self { exponent: 0, live: 0, sum_high: 0, sum_low: 0 };
+}
+
+// The workgroup's memory: four words for each lane, of each kind those of all lanes together, and then those of groups of lanes.
 const EXPONENT: u32 = 0;
-const LIVE: u32 = LANES;
-const SUM_HIGH: u32 = 2 * LANES;
-const SUM_LOW: u32 = 3 * LANES;
+const LIVE: u32 = PLACES;
+const HIGH: u32 = 2 * PLACES;
+const LOW: u32 = 3 * PLACES;
+/// Words of each kind.
+const PLACES: u32 = LANES + LANES / GROUP;
 
-fn get(memory: &[u32; 1024], quarter: u32, index: u32) -> u32 {
-    memory[(quarter + index) as usize]
+fn store_exponent(memory: &mut [u32; 1088], place: u32, errors: &BlockErrors) {
+    memory[(EXPONENT + place) as usize] = errors.exponent;
+    memory[(LIVE + place) as usize] = errors.live;
 }
 
-fn set(memory: &mut [u32; 1024], quarter: u32, index: u32, value: u32) {
-    memory[(quarter + index) as usize] = value;
+fn store_sum(memory: &mut [u32; 1088], place: u32, sum: Wide) {
+    memory[(HIGH + place) as usize] = sum.high;
+    memory[(LOW + place) as usize] = sum.low;
 }
 
-fn set_sum(memory: &mut [u32; 1024], index: u32, sum: Wide) {
-    set(memory, SUM_HIGH, index, sum.high);
-    set(memory, SUM_LOW, index, sum.low);
-}
-
-/// What lane 0 has in the end.
-fn total(memory: &[u32; 1024]) -> BlockErrors {
-    BlockErrors {
-        exponent: get(memory, EXPONENT, 0),
-        live: get(memory, LIVE, 0),
-        sum_high: get(memory, SUM_HIGH, 0),
-        sum_low: get(memory, SUM_LOW, 0),
+/// The phases between: what the lanes of each group have, put together.
+fn fold(phase: u32, lane: Lane, memory: &mut [u32; 1088]) {
+    if lane.index < LANES / GROUP {
+        let first = lane.index * GROUP;
+        if phase == 1 {
+            let errors = exponents(memory, first, GROUP);
+            store_exponent(memory, LANES + lane.index, &errors);
+        } else if phase == 3 {
+            let sum = sums(memory, first, GROUP);
+            store_sum(memory, LANES + lane.index, sum);
+        }
     }
 }
 
-fn fold_exponent_and_live(step: u32, index: u32, memory: &mut [u32; 1024]) {
-    if let Some(partner) = fold_partner(step, index) {
-        let exponent = get(memory, EXPONENT, index).max(get(memory, EXPONENT, partner));
-        set(memory, EXPONENT, index, exponent);
-        let live = get(memory, LIVE, index) + get(memory, LIVE, partner);
-        set(memory, LIVE, index, live);
+fn exponents(memory: &[u32; 1088], first: u32, count: u32) -> BlockErrors {
+    let mut errors = BlockErrors::NOTHING;
+    let mut k = 0;
+    while k < count {
+        errors.exponent = errors.exponent.max(memory[(EXPONENT + first + k) as usize]);
+        errors.live += memory[(LIVE + first + k) as usize];
+        k += 1;
     }
+    errors
 }
 
-fn fold_sums(step: u32, index: u32, memory: &mut [u32; 1024]) {
-    if let Some(partner) = fold_partner(step, index) {
-        let sum = |i| Wide { high: get(memory, SUM_HIGH, i), low: get(memory, SUM_LOW, i) };
-        let sum = sum(index).plus(sum(partner));
-        set_sum(memory, index, sum);
+fn sums(memory: &[u32; 1088], first: u32, count: u32) -> Wide {
+    let mut sum = Wide::ZERO;
+    let mut k = 0;
+    while k < count {
+        let high = memory[(HIGH + first + k) as usize];
+        sum = sum.plus(Wide { high, low: memory[(LOW + first + k) as usize] });
+        k += 1;
     }
+    sum
+}
+
+fn exponent_of_all(memory: &[u32; 1088]) -> BlockErrors {
+    exponents(memory, LANES, LANES / GROUP)
+}
+
+fn all(memory: &[u32; 1088]) -> BlockErrors {
+    let sum = sums(memory, LANES, LANES / GROUP);
+    BlockErrors { sum_high: sum.high, sum_low: sum.low, ..exponent_of_all(memory) }
 }

@@ -74,6 +74,16 @@ pub fn accumulate_runs(
         return;
     }
     let mut pixel = *film;
+    // Sums must be taken in order, but loads need not wait for them.
+    while end - slot >= 4 {
+        let first = slot as usize;
+        let four = [contributions[first], contributions[first + 1], contributions[first + 2], contributions[first + 3]];
+        pixel.add(&four[0]);
+        pixel.add(&four[1]);
+        pixel.add(&four[2]);
+        pixel.add(&four[3]);
+        slot += 4;
+    }
     while slot < end {
         pixel.add(&contributions[slot as usize]);
         slot += 1;

@@ -78,36 +78,36 @@ macro_rules! for_each_kernel {
                 write 2 rays: u32,
             }
             /// Adds up each block of numbers.
-            sum_blocks[256] phased($crate::prefix::SUM_PHASES, 512) = $crate::prefix::sum_blocks {
+            sum_blocks[256] phased($crate::prefix::SUM_PHASES, 272) = $crate::prefix::sum_blocks {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 read 1 values: u32,
                 scatter 2 sums: u32,
             }
             /// Turns the sums of blocks into those of all blocks before each.
-            scan_blocks[256] phased($crate::prefix::SCAN_PHASES, 512) = $crate::prefix::scan_blocks {
+            scan_blocks[256] phased($crate::prefix::SCAN_PHASES, 272) = $crate::prefix::scan_blocks {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 scatter 1 sums: u32,
             }
             /// Writes the places of what is to be kept, close together.
-            scatter_kept[256] phased($crate::compaction::SCATTER_PHASES, 512) = $crate::compaction::scatter_kept {
+            scatter_kept[256] phased($crate::compaction::SCATTER_PHASES, 272) = $crate::compaction::scatter_kept {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 read 1 keep: u32,
                 read 2 offsets: u32,
                 scatter 3 kept: u32,
             }
             /// Finds the largest exponent and the sum of each block of errors.
-            block_errors[256] phased($crate::error_scale::BLOCK_PHASES, 1024) = $crate::error_scale::block_errors {
+            block_errors[256] phased($crate::error_scale::PHASES, 1088) = $crate::error_scale::block_errors {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 read 1 errors: f32,
                 scatter 2 blocks: $crate::error_scale::BlockErrors,
             }
             /// Puts the errors of all blocks together.
-            add_block_errors[256] phased($crate::error_scale::BLOCK_PHASES, 1024) = $crate::error_scale::add_block_errors {
+            add_block_errors[256] phased($crate::error_scale::PHASES, 1088) = $crate::error_scale::add_block_errors {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 scatter 1 blocks: $crate::error_scale::BlockErrors,
             }
             /// Makes weights of errors.
-            weigh_errors[256] phased($crate::runs::WEIGH_PHASES, 512) = $crate::runs::weigh_errors {
+            weigh_errors[256] phased($crate::runs::WEIGH_PHASES, 272) = $crate::runs::weigh_errors {
                 uniform 0 parameters: $crate::runs::RunParams,
                 read 1 errors: f32,
                 read 2 totals: $crate::error_scale::BlockErrors,
@@ -115,7 +115,7 @@ macro_rules! for_each_kernel {
                 scatter 4 sums: u32,
             }
             /// Finds where the run of each pixel begins.
-            run_starts[256] phased($crate::runs::START_PHASES, 512) = $crate::runs::run_starts {
+            run_starts[256] phased($crate::runs::START_PHASES, 272) = $crate::runs::run_starts {
                 uniform 0 parameters: $crate::runs::RunParams,
                 read 1 weights: u32,
                 read 2 offsets: u32,

@@ -17,8 +17,8 @@ pub const LANES: u32 = 256;
 pub const PER_LANE: u32 = 8;
 /// Elements of a block.
 pub const BLOCK: u32 = LANES * PER_LANE;
-/// Phases of [`fold_step`] and of [`scan_step`] that it takes: the logarithm of [`LANES`].
-pub const STEPS: u32 = 8;
+/// Lanes of a group: sums over a workgroup are made of sums over groups, in few phases.
+pub const GROUP: u32 = 16;
 
 device_struct! {
     /// The parameters of a kernel over blocks. 16 bytes.
@@ -63,39 +63,36 @@ impl Lane {
     }
 }
 
-/// Whether lane `index` takes part in step `step` (from 0) of folding [`LANES`] values to one, and with which other lane: the values
-/// of both are to be put into its own. After [`STEPS`] steps lane 0 has them all.
-pub fn fold_partner(step: u32, index: u32) -> Option<u32> {
-    let distance = LANES >> (step + 1);
-    if index < distance { Some(index + distance) } else { None }
+/// The sum of `count` words from `first` on.
+fn sum<const N: usize>(memory: &[u32; N], first: u32, count: u32) -> u32 {
+    let (mut sum, mut k) = (0, 0);
+    while k < count {
+        sum += memory[(first + k) as usize];
+        k += 1;
+    }
+    sum
 }
 
-/// Step `step` (from 0) of adding up the values of all lanes in the first [`LANES`] words.
-pub fn fold_sum<const N: usize>(step: u32, index: u32, memory: &mut [u32; N]) {
-    if let Some(partner) = fold_partner(step, index) {
-        memory[index as usize] += memory[partner as usize];
+/// Puts the sum over each [`GROUP`] lanes of the values in the first [`LANES`] words behind these.
+pub fn sum_groups<const N: usize>(lane: Lane, memory: &mut [u32; N]) {
+    if lane.index < LANES / GROUP {
+        memory[(LANES + lane.index) as usize] = sum(memory, lane.index * GROUP, GROUP);
     }
 }
 
-/// Step `step` (from 0) of adding to each lane's value those of all lanes before it (Hillis, Steele 1986). The values start in the
-/// first [`LANES`] words, go to and fro between these and the next, and are back after [`STEPS`] steps, an even number.
-pub fn scan_step<const N: usize>(step: u32, index: u32, memory: &mut [u32; N]) {
-    let (from, to) = if step & 1 == 0 { (0, LANES) } else { (LANES, 0) };
-    let distance = 1 << step;
-    let mut sum = memory[(from + index) as usize];
-    if index >= distance {
-        sum += memory[(from + index - distance) as usize];
-    }
-    memory[(to + index) as usize] = sum;
+/// The sum over all lanes, a phase after [`sum_groups`].
+pub fn sum_of_all<const N: usize>(memory: &[u32; N]) -> u32 {
+    sum(memory, LANES, LANES / GROUP)
 }
 
-/// The sum of the values of all lanes before lane `index`, after [`scan_step`].
-pub fn before<const N: usize>(index: u32, memory: &[u32; N]) -> u32 {
-    if index == 0 { 0 } else { memory[index as usize - 1] }
+/// The sum over the lanes before this one, a phase after [`sum_groups`].
+pub fn sum_before<const N: usize>(lane: Lane, memory: &[u32; N]) -> u32 {
+    let group = lane.index / GROUP;
+    sum(memory, LANES, group) + sum(memory, group * GROUP, lane.index % GROUP)
 }
 
 /// Phases of [`sum_blocks`].
-pub const SUM_PHASES: u32 = STEPS + 2;
+pub const SUM_PHASES: u32 = 3;
 
 /// Kernel, in phases: the sum of each block of `values`. Sums must be below 2^32.
 pub fn sum_blocks(
@@ -104,7 +101,7 @@ pub fn sum_blocks(
     params: &BlockParams,
     values: &[u32],
     sums: &mut Scatter<'_, u32>,
-    memory: &mut [u32; 512],
+    memory: &mut [u32; 272],
 ) {
     if phase == 0 {
         // Neighbouring lanes read neighbouring elements.
@@ -118,19 +115,19 @@ pub fn sum_blocks(
             k += 1;
         }
         memory[lane.index as usize] = sum;
-    } else if phase <= STEPS {
-        fold_sum(phase - 1, lane.index, memory);
+    } else if phase == 1 {
+        sum_groups(lane, memory);
     } else if lane.index == 0 {
-        sums.set(lane.group, memory[0]);
+        sums.set(lane.group, sum_of_all(memory));
     }
 }
 
 /// Phases of [`scan_blocks`].
-pub const SCAN_PHASES: u32 = STEPS + 2;
+pub const SCAN_PHASES: u32 = 3;
 
 /// Kernel, in phases, one workgroup: turns the sums of blocks into the sum of all blocks before each, and puts the sum of all, which must be
 /// below 2^32, after the last.
-pub fn scan_blocks(phase: u32, lane: Lane, params: &BlockParams, sums: &mut Scatter<'_, u32>, memory: &mut [u32; 512]) {
+pub fn scan_blocks(phase: u32, lane: Lane, params: &BlockParams, sums: &mut Scatter<'_, u32>, memory: &mut [u32; 272]) {
     // Each lane has a stretch of consecutive blocks.
     let stretch = params.blocks.div_ceil(LANES);
     let first = (lane.index * stretch).min(params.blocks);
@@ -143,10 +140,10 @@ pub fn scan_blocks(phase: u32, lane: Lane, params: &BlockParams, sums: &mut Scat
             block += 1;
         }
         memory[lane.index as usize] = sum;
-    } else if phase <= STEPS {
-        scan_step(phase - 1, lane.index, memory);
+    } else if phase == 1 {
+        sum_groups(lane, memory);
     } else {
-        let mut sum = before(lane.index, memory);
+        let mut sum = sum_before(lane, memory);
         let mut block = first;
         while block < end {
             let own = sums.get(block);

@@ -8,7 +8,7 @@
 use crate::access::Scatter;
 use crate::device_struct;
 use crate::error_scale::{BlockErrors, is_live, magnitude, quantised};
-use crate::prefix::{LANES, Lane, PER_LANE, STEPS, before, fold_sum, scan_step};
+use crate::prefix::{LANES, Lane, PER_LANE, sum_before, sum_groups, sum_of_all};
 use crate::wide::{Wide, multiply, multiply_divide};
 
 /// What the weights of all errors add up to, but for rounding.
@@ -80,7 +80,7 @@ impl Weighing {
 }
 
 /// Phases of [`weigh_errors`].
-pub const WEIGH_PHASES: u32 = STEPS + 2;
+pub const WEIGH_PHASES: u32 = 3;
 
 /// Kernel, in phases: the weight of each pixel and the sum of each block's. `totals` are [`BlockErrors`] with those of all after the last.
 #[allow(clippy::too_many_arguments)] // one per binding
@@ -92,7 +92,7 @@ pub fn weigh_errors(
     totals: &[BlockErrors],
     weights: &mut Scatter<'_, u32>,
     sums: &mut Scatter<'_, u32>,
-    memory: &mut [u32; 512],
+    memory: &mut [u32; 272],
 ) {
     if phase == 0 {
         let weighing = Weighing::new(params, &totals[params.blocks as usize]);
@@ -108,15 +108,15 @@ pub fn weigh_errors(
             k += 1;
         }
         memory[lane.index as usize] = sum;
-    } else if phase <= STEPS {
-        fold_sum(phase - 1, lane.index, memory);
+    } else if phase == 1 {
+        sum_groups(lane, memory);
     } else if lane.index == 0 {
-        sums.set(lane.group, memory[0]);
+        sums.set(lane.group, sum_of_all(memory));
     }
 }
 
 /// Phases of [`run_starts`].
-pub const START_PHASES: u32 = STEPS + 2;
+pub const START_PHASES: u32 = 3;
 
 /// Kernel, in phases: the first slot of each pixel's run, and after the last the number of slots. `offsets` are the sums of weights before each
 /// block, with that of all after the last.
@@ -128,7 +128,7 @@ pub fn run_starts(
     weights: &[u32],
     offsets: &[u32],
     starts: &mut Scatter<'_, u32>,
-    memory: &mut [u32; 512],
+    memory: &mut [u32; 272],
 ) {
     let first = lane.first_element().min(params.pixels);
     let end = (first + PER_LANE).min(params.pixels);
@@ -140,11 +140,11 @@ pub fn run_starts(
             pixel += 1;
         }
         memory[lane.index as usize] = sum;
-    } else if phase <= STEPS {
-        scan_step(phase - 1, lane.index, memory);
+    } else if phase == 1 {
+        sum_groups(lane, memory);
     } else {
         let all = offsets[params.blocks as usize];
-        let mut sum = offsets[lane.group as usize] + before(lane.index, memory);
+        let mut sum = offsets[lane.group as usize] + sum_before(lane, memory);
         let mut pixel = first;
         while pixel < end {
             starts.set(pixel, (multiply_divide(sum, params.slots << 8, all) + params.phase) >> 8);

@@ -10,6 +10,9 @@ pub struct Wide {
 }
 
 impl Wide {
+    /// 0.
+    pub const ZERO: Self = Self { high: 0, low: 0 };
+
     /// `self + other`, modulo 2^64.
     pub fn plus(self, other: Self) -> Self {
         let low = self.low.wrapping_add(other.low);
@@ -26,7 +29,7 @@ impl Wide {
         } else if shift < 64 {
             Self { high: 0, low: self.high >> (shift - 32) }
         } else {
-            Self { high: 0, low: 0 }
+            Self::ZERO
         }
     }
 

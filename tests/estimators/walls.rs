@@ -62,7 +62,13 @@ pub fn wall(width: u32, height: u32, samples: u32, mut radiance: impl FnMut(u32,
             samples,
         }
     };
-    Film { width, height, radiance: pixels.clone().map(film).collect(), features: pixels.map(features).collect(), estimates: None }
+    Film {
+        width,
+        height,
+        radiance: pixels.clone().map(film).collect(),
+        features: pixels.map(features).collect(),
+        estimates: None,
+    }
 }
 
 /// What an estimator made of a film, in rows.

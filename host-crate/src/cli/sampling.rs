@@ -31,7 +31,7 @@ pub struct RoundArguments {
     /// Samples per pixel of the first round, which is uniform.
     #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65536))]
     initial_spp: u32,
-    /// Samples of a later round, on average over the pixels [default: a quarter of what pixels have, at least 1].
+    /// Samples of a later round, on average over the pixels [default: half of what pixels have, at least 1].
     #[arg(long, value_name = "N", value_parser = parse_round_budget)]
     round_budget: Option<f32>,
 }

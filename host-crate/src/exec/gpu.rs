@@ -27,9 +27,41 @@ pub struct GpuExecutor {
     queue: wgpu::Queue,
     pipelines: HashMap<&'static str, Pipeline>,
     limits: wgpu::Limits,
-    has_timestamps: bool,
+    /// What times launches, where the device has a clock, and is kept from run to run.
+    clock: Option<Mutex<Clock>>,
     /// What the driver reported outside of any call that could return it.
     failure: Arc<Mutex<Option<String>>>,
+}
+
+/// Two time stamps for each launch of a run.
+struct Clock {
+    launches: u32,
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    staging: wgpu::Buffer,
+}
+
+impl Clock {
+    fn new(device: &wgpu::Device, launches: u32) -> Self {
+        let buffer = |label, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: u64::from(launches) * 16,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        Self {
+            launches,
+            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("launches"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2 * launches,
+            }),
+            resolved: buffer("timestamps", wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
+            staging: buffer("timestamps", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
+        }
+    }
 }
 
 struct Pipeline {
@@ -71,7 +103,7 @@ impl GpuExecutor {
             name,
             pipelines: HashMap::new(),
             limits,
-            has_timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+            clock: features.contains(wgpu::Features::TIMESTAMP_QUERY).then(|| Mutex::new(Clock::new(&device, 32))),
             failure,
             device,
             queue,
@@ -240,10 +272,18 @@ impl GpuExecutor {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(buffer, first_byte, &staging, 0, bytes);
         self.queue.submit([encoder.finish()]);
-        staging.map_async(wgpu::MapMode::Read, .., |_| {});
+        self.map(&staging, bytes)
+    }
+
+    /// Waits for all submitted work, and copies the first `bytes` bytes of a staging buffer.
+    fn map(&self, staging: &wgpu::Buffer, bytes: u64) -> Result<Vec<u8>, ExecError> {
+        staging.map_async(wgpu::MapMode::Read, ..bytes, |_| {});
         self.wait()?;
-        let mapped = staging.get_mapped_range(..).map_err(|error| self.failed(error.to_string()))?;
-        Ok(mapped.to_vec())
+        let mapped = staging.get_mapped_range(..bytes).map_err(|error| self.failed(error.to_string()))?;
+        let copy = mapped.to_vec();
+        drop(mapped);
+        staging.unmap();
+        Ok(copy)
     }
 }
 
@@ -312,23 +352,23 @@ impl Executor for GpuExecutor {
             return Ok(Vec::new());
         }
         let start = Instant::now();
+        let mut clock = self.clock.as_ref().map(|clock| clock.lock().unwrap_or_else(PoisonError::into_inner));
+        if let Some(clock) = &mut clock
+            && clock.launches < launches.len() as u32
+        {
+            // Twice the number, so that little is made over and over while runs get longer.
+            **clock = Clock::new(&self.device, (2 * launches.len() as u32).min(wgpu::QUERY_SET_MAX_QUERIES / 2));
+        }
+        let clock = clock.as_deref().filter(|clock| clock.launches >= launches.len() as u32);
         let (parameters, starts) = self.parameter_buffer(launches);
-        let stamps = 2 * launches.len() as u32;
-        let queries = self.has_timestamps.then(|| {
-            self.device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("launches"),
-                ty: wgpu::QueryType::Timestamp,
-                count: stamps,
-            })
-        });
         let mut encoder = self.device.create_command_encoder(&Default::default());
         for (index, (launch, &first_byte)) in launches.iter().zip(&starts).enumerate() {
             let group = self.bind_group(launch, &parameters, first_byte);
             let first_stamp = 2 * index as u32;
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some(launch.kernel.name),
-                timestamp_writes: queries.as_ref().map(|query_set| wgpu::ComputePassTimestampWrites {
-                    query_set,
+                timestamp_writes: clock.map(|clock| wgpu::ComputePassTimestampWrites {
+                    query_set: &clock.queries,
                     beginning_of_pass_write_index: Some(first_stamp),
                     end_of_pass_write_index: Some(first_stamp + 1),
                 }),
@@ -338,21 +378,19 @@ impl Executor for GpuExecutor {
             let (columns, rows) = self.grid(launch.kernel, launch.threads());
             pass.dispatch_workgroups(columns, rows, 1);
         }
-        let Some(queries) = queries else {
+        let Some(clock) = clock else {
             self.queue.submit([encoder.finish()]);
             self.wait()?;
             // Without a device clock the best guess is an even share.
             return Ok(vec![start.elapsed() / launches.len() as u32; launches.len()]);
         };
-        let resolved = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("timestamps"),
-            size: u64::from(stamps) * 8,
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        encoder.resolve_query_set(&queries, 0..stamps, &resolved, 0);
+        // Read back with the same submission: a second one would be a second round trip.
+        let stamps = 2 * launches.len() as u32;
+        let bytes = u64::from(stamps) * 8;
+        encoder.resolve_query_set(&clock.queries, 0..stamps, &clock.resolved, 0);
+        encoder.copy_buffer_to_buffer(&clock.resolved, 0, &clock.staging, 0, bytes);
         self.queue.submit([encoder.finish()]);
-        let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&self.read_part(&resolved, 0, u64::from(stamps) * 8)?);
+        let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&self.map(&clock.staging, bytes)?);
         let period = f64::from(self.queue.get_timestamp_period());
         Ok(stamps
             .chunks_exact(2)

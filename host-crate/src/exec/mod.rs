@@ -73,7 +73,13 @@ impl<'a, B> Launch<'a, B> {
         Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views }
     }
 
-    fn threads(&self) -> u32 {
+    /// The kernel.
+    pub fn kernel(&self) -> &'static Kernel {
+        self.kernel
+    }
+
+    /// Lanes, before they are rounded up to whole workgroups.
+    pub fn threads(&self) -> u32 {
         bytemuck::pod_read_unaligned(&self.parameters[..4])
     }
 }

@@ -5,7 +5,7 @@ use super::batch::BatchSize;
 use super::estimation::{ComingRound, Estimation, Noise};
 use super::film::FilmBuffers;
 use super::integrator::first_hits;
-use super::round::{Stage, allocate_stream};
+use super::round::{Parts, Round, Stage, allocate_stream};
 use super::settings::{Settings, Timings};
 use super::{AllocatorKind, PreparedScene, Sampling, SceneBuffers};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
@@ -14,7 +14,6 @@ use bytemuck::Zeroable;
 use raystream_shaders::features::FEATURE_SAMPLES;
 use raystream_shaders::film::CountParams;
 use raystream_shaders::sampler::hash;
-use std::time::Duration;
 
 /// A scene, a film and a sample stream on a device.
 pub struct Renderer<'e, E: Executor> {
@@ -109,30 +108,28 @@ impl<'e, E: Executor> Renderer<'e, E> {
     /// each has traced.
     pub fn round(&mut self, samples: u32, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
         let paths = u64::from(samples) * u64::from(self.pixels());
-        let estimate = Vec::new();
-        let (paths, timings) =
-            self.stage.round(&self.uniform, &self.no_errors, estimate, paths, 0, &mut self.batch, after_batch)?;
-        self.finish_round(paths, timings)
+        let round = Round { paths, salt: 0, errors: &self.no_errors, prelude: Parts::default() };
+        let (paths, timings) = self.stage.round(&self.uniform, round, &mut self.batch, after_batch)?;
+        self.rounds += 1;
+        self.paths += paths;
+        Ok(timings)
     }
 
     fn adaptive_round(&mut self, paths_left: u64, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
-        let mut timings = Timings { estimation: self.measure_mean_radiance()?, ..Timings::default() };
+        let mut timings = self.measure_mean_radiance()?;
+        let Some(prelude) = self.estimate() else { return Ok(timings) };
         let (Some(adaptive), Some(estimation)) = (&self.adaptive, &self.estimation) else { return Ok(timings) };
         let paths = ((self.samples_of_round() * f64::from(self.pixels())) as u64).clamp(1, paths_left);
         let salt = hash(self.seed ^ hash(self.rounds));
+        let round = Round { paths, salt, errors: estimation.errors(), prelude };
         let mut batch = self.batch;
-        let (paths, of_round) = self.stage.round(
-            adaptive.as_ref(),
-            estimation.errors(),
-            self.estimate(estimation),
-            paths,
-            salt,
-            &mut batch,
-            after_batch,
-        )?;
-        self.batch = batch;
+        let (paths, of_round) = self.stage.round(adaptive.as_ref(), round, &mut batch, after_batch)?;
         timings += of_round;
-        self.finish_round(paths, timings)
+        self.feature_samples = self.wanted_feature_samples();
+        self.batch = batch;
+        self.rounds += 1;
+        self.paths += paths;
+        Ok(timings)
     }
 
     /// Samples of the coming round, on average over the pixels.
@@ -142,31 +139,45 @@ impl<'e, E: Executor> Renderer<'e, E> {
         self.sampling.samples_of_round(self.paths as f64 / pixels).min(largest)
     }
 
-    /// Launches that estimate the errors as they are, for the coming round.
-    fn estimate<'a>(&'a self, estimation: &'a Estimation<E::Buffer>) -> Vec<Launch<'a, E::Buffer>> {
+    /// Launches that bring the features up to date and estimate the errors as they are, for the coming round; none where errors are not estimated.
+    fn estimate(&self) -> Option<Parts<'_, E::Buffer>> {
+        let estimation = self.estimation.as_ref()?;
+        let mut parts = self.trace_features();
         let round =
             ComingRound { samples: self.samples_of_round() as f32, mean_radiance: self.mean_radiance.unwrap_or(0.0) };
-        estimation.launches(&self.stage.film, &self.stage.parameters.camera, &self.sampling, round)
+        let camera = &self.stage.parameters.camera;
+        let launches = estimation.launches(&self.stage.film, camera, &self.sampling, round);
+        parts.add(launches, |timings| &mut timings.estimation);
+        Some(parts)
     }
 
-    /// Measures the mean radiance, once there is any; the time that it took.
-    fn measure_mean_radiance(&mut self) -> Result<Duration, ExecError> {
-        match (&self.estimation, self.mean_radiance) {
-            (Some(estimation), None) if self.paths > 0 => {
-                let times = self.stage.executor.run(&self.estimate(estimation))?;
-                let noise = estimation.noise(self.stage.executor, 0.0)?;
-                self.mean_radiance = Some(noise.mean_radiance as f32);
-                Ok(times.into_iter().sum())
-            }
-            _ => Ok(Duration::ZERO),
+    /// Estimates the errors now; nothing where they are not estimated.
+    fn run_estimate(&mut self) -> Result<Timings, ExecError> {
+        let timings = match self.estimate() {
+            Some(mut parts) => parts.run(self.stage.executor)?,
+            None => return Ok(Timings::default()),
+        };
+        self.feature_samples = self.wanted_feature_samples();
+        Ok(timings)
+    }
+
+    /// Measures the mean radiance, once there is any.
+    fn measure_mean_radiance(&mut self) -> Result<Timings, ExecError> {
+        if self.mean_radiance.is_some() || self.paths == 0 {
+            return Ok(Timings::default());
         }
+        let timings = self.run_estimate()?;
+        if let Some(estimation) = &self.estimation {
+            self.mean_radiance = Some(estimation.noise(self.stage.executor, 0.0)?.mean_radiance as f32);
+        }
+        Ok(timings)
     }
 
     /// The noise of the picture so far; none where errors are not estimated, see [`Sampling`].
     pub fn noise(&mut self) -> Result<Option<Noise>, ExecError> {
         self.measure_mean_radiance()?;
+        self.run_estimate()?;
         let (Some(estimation), Some(mean_radiance)) = (&self.estimation, self.mean_radiance) else { return Ok(None) };
-        self.stage.executor.run(&self.estimate(estimation))?;
         estimation.noise(self.stage.executor, mean_radiance).map(Some)
     }
 
@@ -180,30 +191,25 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(noise.is_some_and(|noise| noise.relative_error <= f64::from(threshold) || noise.unconverged == 0))
     }
 
-    fn finish_round(&mut self, paths: u64, timings: Timings) -> Result<Timings, ExecError> {
-        self.rounds += 1;
-        self.paths += paths;
-        Ok(Timings { features: self.trace_features()?, ..timings })
+    /// Camera rays that the features of each pixel should have by now: as many as a pixel has samples on average, at most
+    /// [`FEATURE_SAMPLES`].
+    fn wanted_feature_samples(&self) -> u32 {
+        (self.paths / u64::from(self.pixels())).min(u64::from(FEATURE_SAMPLES)) as u32
     }
 
-    /// Brings the features of every pixel to as many camera rays as a pixel has samples on average, at most [`FEATURE_SAMPLES`].
-    fn trace_features(&mut self) -> Result<Duration, ExecError> {
-        let mut time = Duration::ZERO;
-        let samples = (self.paths / u64::from(self.pixels())).min(u64::from(FEATURE_SAMPLES)) as u32;
-        if samples == self.feature_samples {
-            return Ok(time);
+    /// Launches that bring the features up to date.
+    fn trace_features(&self) -> Parts<'_, E::Buffer> {
+        let mut parts = Parts::default();
+        let samples = self.wanted_feature_samples();
+        if samples > self.feature_samples {
+            let stage = &self.stage;
+            let launches = stage.film.bands().iter().map(|band| {
+                let pixels = 0..band.film.len() as u32;
+                first_hits(&stage.scene, &stage.parameters, band, &pixels, samples)
+            });
+            parts.add(launches.collect(), |timings| &mut timings.features);
         }
-        let stage = &self.stage;
-        for band in stage.film.bands() {
-            let mut next = 0;
-            while let Some(window) = band.window(next, self.batch.slots()) {
-                let launch = first_hits(&stage.scene, &stage.parameters, band, &window, samples);
-                time += stage.executor.run(&[launch])?.iter().sum::<Duration>();
-                next = window.end;
-            }
-        }
-        self.feature_samples = samples;
-        Ok(time)
+        parts
     }
 
     /// Rays that all samples so far have traced, shadow rays included.
@@ -219,12 +225,14 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(total)
     }
 
-    /// Copies the film to the host, with estimates of its errors where they are asked for.
-    pub fn film(&self) -> Result<Film, ExecError> {
+    /// Copies the film to the host, with its features and, where they are asked for, with estimates of its errors.
+    pub fn film(&mut self) -> Result<Film, ExecError> {
+        self.trace_features().run(self.stage.executor)?;
+        self.feature_samples = self.wanted_feature_samples();
+        self.run_estimate()?;
         let executor = self.stage.executor;
         let mut film = self.stage.film.read(executor)?;
         if let Some(estimation) = &self.estimation {
-            executor.run(&self.estimate(estimation))?;
             film.estimates = Some(estimation.read(executor)?);
         }
         Ok(film)

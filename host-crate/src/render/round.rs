@@ -28,30 +28,39 @@ pub struct Stage<'e, E: Executor> {
     pub contributions: Array<E::Buffer, Contribution>,
 }
 
+/// A round to be run.
+pub struct Round<'a, B> {
+    /// Paths to trace.
+    pub paths: u64,
+    /// A random number of the round.
+    pub salt: u32,
+    /// The errors by which the allocator goes, see [`RoundBuffers::errors`].
+    pub errors: &'a Array<B, f32>,
+    /// What is to be done before, such as filling the errors.
+    pub prelude: Parts<'a, B>,
+}
+
 /// Slots of the largest stream: 2^22 contributions are 134 MB, and four million paths fill any GPU.
 pub const MAX_STREAM: u32 = 1 << 22;
 
 impl<'e, E: Executor> Stage<'e, E> {
-    /// Runs a round of `paths` paths: `estimate` first, which is to fill `errors`, then what `allocator` makes of them. `after_batch` is
-    /// called with the number of paths that each batch has traced. Returns the paths traced and where the time went.
+    /// Runs a round: `prelude` first, then what `allocator` makes of the errors. `after_batch` is called with the number of paths that each
+    /// batch has traced. Returns the paths traced and where the time went.
     pub fn round(
         &self,
         allocator: &dyn Allocator<E>,
-        errors: &Array<E::Buffer, f32>,
-        estimate: Vec<Launch<'_, E::Buffer>>,
-        paths: u64,
-        salt: u32,
+        round: Round<'_, E::Buffer>,
         batch: &mut BatchSize,
         after_batch: &mut dyn FnMut(u32),
     ) -> Result<(u64, Timings), ExecError> {
+        let Round { paths, salt, errors, mut prelude } = round;
         let buffers =
             RoundBuffers { film: &self.film, errors, slots: &self.slots, contributions: &self.contributions, salt };
         let size = StreamSize { preferred: batch.slots(), largest: self.slots.len() as u32 };
         let mut timings = Timings::default();
         let mut filled = 0;
-        let mut estimate = estimate;
         for stream in allocator.streams(&self.film, paths, size) {
-            timings += self.stream(allocator, std::mem::take(&mut estimate), &buffers, &stream, batch, after_batch)?;
+            timings += self.stream(allocator, std::mem::take(&mut prelude), &buffers, &stream, batch, after_batch)?;
             filled += u64::from(allocator.filled(self.executor, &stream)?);
         }
         Ok((filled, timings))
@@ -61,15 +70,14 @@ impl<'e, E: Executor> Stage<'e, E> {
     fn stream(
         &self,
         allocator: &dyn Allocator<E>,
-        estimate: Vec<Launch<'_, E::Buffer>>,
+        prelude: Parts<'_, E::Buffer>,
         buffers: &RoundBuffers<'_, E::Buffer>,
         stream: &Stream,
         batch: &mut BatchSize,
         after_batch: &mut dyn FnMut(u32),
     ) -> Result<Timings, ExecError> {
         let mut timings = Timings::default();
-        let mut parts = Parts { launches: Vec::new(), places: Vec::new() };
-        parts.add(estimate, |timings| &mut timings.estimation);
+        let mut parts = prelude;
         parts.add(allocator.fill(buffers, stream), |timings| &mut timings.generation);
         let mut next = 0;
         while next < stream.slots {
@@ -92,24 +100,40 @@ impl<'e, E: Executor> Stage<'e, E> {
 }
 
 /// Where the time of a launch belongs.
-type Place = fn(&mut Timings) -> &mut Duration;
+pub type Place = fn(&mut Timings) -> &mut Duration;
 
 /// Launches of one submission.
-struct Parts<'a, B> {
+pub struct Parts<'a, B> {
     launches: Vec<Launch<'a, B>>,
     places: Vec<Place>,
 }
 
+impl<B> Default for Parts<'_, B> {
+    fn default() -> Self {
+        Self { launches: Vec::new(), places: Vec::new() }
+    }
+}
+
 impl<'a, B> Parts<'a, B> {
-    fn add(&mut self, launches: Vec<Launch<'a, B>>, place: Place) {
+    /// Adds launches whose time belongs to `place`.
+    pub fn add(&mut self, launches: Vec<Launch<'a, B>>, place: Place) {
         self.places.extend(launches.iter().map(|_| place));
         self.launches.extend(launches);
     }
 
     /// Runs them all and forgets them.
-    fn run<E: Executor<Buffer = B>>(&mut self, executor: &E) -> Result<Timings, ExecError> {
+    pub fn run<E: Executor<Buffer = B>>(&mut self, executor: &E) -> Result<Timings, ExecError> {
         let mut timings = Timings::default();
-        let times = executor.run(&std::mem::take(&mut self.launches))?;
+        let launches = std::mem::take(&mut self.launches);
+        let times = executor.run(&launches)?;
+        for (launch, time) in launches.iter().zip(&times) {
+            tracing::trace!(
+                "{:8.1} us {} of {} threads",
+                time.as_secs_f64() * 1e6,
+                launch.kernel().name,
+                launch.threads()
+            );
+        }
         for (place, time) in std::mem::take(&mut self.places).into_iter().zip(times) {
             *place(&mut timings) += time;
         }

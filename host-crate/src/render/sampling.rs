@@ -14,7 +14,7 @@ pub struct Sampling {
     pub relative: bool,
     /// Samples per pixel of the first round, which is uniform; at least 2.
     pub initial_samples: u32,
-    /// Samples of a later round, on average over the pixels; above 0. By default a quarter of what the pixels have, but at least 1.
+    /// Samples of a later round, on average over the pixels; above 0. By default half of what pixels have, but at least 1.
     pub round_budget: Option<f32>,
     /// Estimated relative error (1 is as large as the picture) at which a pixel has converged and gets no more samples.
     pub noise: Option<f32>,
@@ -63,6 +63,6 @@ impl Sampling {
     /// Samples per pixel, on average, of a round after pixels have got `average` samples each: [`Self::round_budget`], or enough that the
     /// errors, which have changed little, need not be estimated too often.
     pub fn samples_of_round(&self, average: f64) -> f64 {
-        self.round_budget.map_or_else(|| (average / 4.0).max(1.0), f64::from)
+        self.round_budget.map_or_else(|| (average / 2.0).max(1.0), f64::from)
     }
 }

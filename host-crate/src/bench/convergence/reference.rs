@@ -162,7 +162,7 @@ mod tests {
         let film = |mean: f32| {
             let sum_of_squares = Vec3::splat((mean - 1.0).powi(2) + (mean + 1.0).powi(2));
             let pixel = FilmPixel { sum: Vec3::splat(2.0 * mean), samples: 2, sum_of_squares, ..Default::default() };
-            Film { width: 1, height: 1, radiance: vec![pixel], features: Vec::new() }
+            Film { width: 1, height: 1, radiance: vec![pixel], features: Vec::new(), estimates: None }
         };
         let reference = Reference::of_halves(&film(1.0), &film(3.0), 4);
         assert_eq!(reference.image.pixels, [Vec3::splat(2.0)]);

@@ -1,6 +1,6 @@
 //! The allocator `atomic`: every pixel in proportion to its error, slots and sums by atomics, in the order in which they come.
 
-use super::runs::RunTable;
+use super::runs::{RunTable, Weights};
 use super::{Allocator, RoundBuffers, Stream, StreamSize, one_stream};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::FilmBuffers;
@@ -28,7 +28,8 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
     }
 
     fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
-        let mut launches = self.table.fill(buffers.errors, stream.slots, 0, 0);
+        let as_they_are = Weights { uniform: 0, largest: u32::MAX };
+        let mut launches = self.table.fill(buffers.errors, stream.slots, as_they_are, 0);
         let one = RunWindow { threads: 1, first_rank: 0, pixels: 0, samples: 0 };
         launches.push(Launch::new(&kernels::clear_counter, &one, vec![self.counter.view()]));
         for band in buffers.film.bands() {

@@ -12,6 +12,10 @@ use raystream_shaders::runs::{ERROR_WEIGHTS, RunParams};
 /// may starve a pixel.
 const UNIFORM_SHARE: f64 = 0.1;
 
+/// What a pixel's error may weigh at most, by what the errors weigh on average. A pixel on which a rare bright path has fallen seems worse than all
+/// others together; beyond some more samples it would waste them, and its long run would hold up accumulation.
+const LARGEST_ERROR: f64 = 16.0;
+
 /// In proportion to the error, in runs.
 pub struct Runs<B> {
     table: RunTable<B>,
@@ -30,8 +34,12 @@ impl<E: Executor> Allocator<E> for Runs<E::Buffer> {
     }
 
     fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
-        let uniform_weights = (f64::from(ERROR_WEIGHTS) * UNIFORM_SHARE / (1.0 - UNIFORM_SHARE)) as u32;
-        let mut launches = self.table.fill(buffers.errors, stream.slots, uniform_weights, buffers.salt & 0xff);
+        let all = f64::from(ERROR_WEIGHTS);
+        let weights = Weights {
+            uniform: (all * UNIFORM_SHARE / (1.0 - UNIFORM_SHARE)) as u32,
+            largest: (all * LARGEST_ERROR / stream.pixels.len() as f64) as u32,
+        };
+        let mut launches = self.table.fill(buffers.errors, stream.slots, weights, buffers.salt & 0xff);
         launches.extend(fill_runs(buffers, stream, |band| self.table.starts_of(band), 0));
         launches
     }
@@ -39,6 +47,14 @@ impl<E: Executor> Allocator<E> for Runs<E::Buffer> {
     fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
         accumulate_runs(buffers, stream, |band| self.table.starts_of(band), 0)
     }
+}
+
+/// How errors weigh, see [`RunParams`].
+pub(super) struct Weights {
+    /// What the uniform share's weights add up to.
+    pub uniform: u32,
+    /// Largest weight of an error.
+    pub largest: u32,
 }
 
 /// The first slot of each pixel's run, and what it takes to find it.
@@ -67,7 +83,7 @@ impl<B> RunTable<B> {
         &'a self,
         errors: &'a Array<B, f32>,
         slots: u32,
-        uniform_weights: u32,
+        weights: Weights,
         phase: u32,
     ) -> Vec<Launch<'a, B>> {
         let BlockParams { threads, blocks, .. } = BlockParams::per_block(self.pixels);
@@ -77,8 +93,8 @@ impl<B> RunTable<B> {
             blocks,
             slots,
             phase,
-            uniform_weights,
-            largest_weight: u32::MAX,
+            uniform_weights: weights.uniform,
+            largest_weight: weights.largest,
             pad: 0,
         };
         let mut launches = self.scale.launches(errors);
