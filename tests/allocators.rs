@@ -9,7 +9,7 @@ use glam::Vec3;
 use raystream::exec::cpu::{CpuBuffer, CpuExecutor};
 use raystream::exec::{Array, ExecError, Executor, Launch, Limits};
 use raystream::render::AllocatorKind::{self, Atomic, Paper, Runs, Uniform};
-use raystream::render::allocator::{Allocator, RoundBuffers, StreamSize, create, paper};
+use raystream::render::allocator::{Allocator, RoundBuffers, create, paper};
 use raystream::render::film::FilmBuffers;
 use raystream::scene::FilmSize;
 use raystream_shaders::film::{Contribution, FilmPixel};
@@ -103,8 +103,9 @@ impl Round {
             contributions: &contributions,
             salt: self.salt,
         };
-        let size = StreamSize { preferred: u32::MAX, largest: self.slots };
-        let streams = allocator.streams(&film, u64::from(self.slots), size);
+        // Uniform windows are of whole tiles.
+        let largest = self.slots.next_multiple_of(64 * self.slots.div_ceil(self.pixels()));
+        let streams = allocator.streams(&film, u64::from(self.slots), largest);
         let [stream] = streams.as_slice() else { panic!("one stream: {streams:?}") };
         executor.run(&allocator.fill(&buffers, stream)).unwrap();
         let filled_slots = slots.read(executor).unwrap();

@@ -15,7 +15,7 @@ use raystream_shaders::film::{CountParams, FilmPixel};
 use raystream_shaders::probe::ProbeParams;
 use raystream_shaders::ray::{Hit, Ray};
 use raystream_shaders::sampler::hash;
-use raystream_shaders::stream::{RunWindow, Slot};
+use raystream_shaders::stream::{NO_PIXEL, RunWindow, Slot};
 use raystream_shaders::tiles::pixel_of_rank;
 
 fn count_rays<E: Executor>(executor: &E, film: &[FilmPixel]) -> Vec<u32> {
@@ -187,15 +187,11 @@ fn pictures_have_the_same_expectation() {
 fn launches_are_folded_into_rows() {
     with_gpu(|gpu| {
         let threads = 4_194_240 + 1000;
-        let film = Array::from_slice(gpu, "film", &[FilmPixel { samples: 3, ..FilmPixel::zeroed() }]).unwrap();
-        let slots: Array<_, Slot> = Array::zeroed(gpu, "slots", threads as usize).unwrap();
-        let window = RunWindow { threads, first_rank: 5, pixels: 1, samples: threads };
-        let no_starts: Array<_, u32> = Array::zeroed(gpu, "nothing", 1).unwrap();
-        gpu.run(&[Launch::new(&kernels::fill_runs, &window, vec![no_starts.view(), film.view(), slots.view()])])
-            .unwrap();
-        for (index, slot) in slots.read(gpu).unwrap().into_iter().enumerate() {
-            assert_eq!(slot, Slot { rank: 5, sample: 3 + index as u32 });
-        }
+        let slots = Array::from_slice(gpu, "slots", &vec![Slot { rank: 1, sample: 2 }; threads as usize]).unwrap();
+        let window = RunWindow { threads, first_rank: 0, pixels: 0, samples: 0 };
+        gpu.run(&[Launch::new(&kernels::clear_slots, &window, vec![slots.view()])]).unwrap();
+        let cleared = slots.read(gpu).unwrap();
+        assert_eq!(cleared.iter().position(|slot| slot.rank != NO_PIXEL), None, "the first slot that was left out");
     });
 }
 

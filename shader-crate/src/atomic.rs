@@ -8,39 +8,58 @@
 use crate::access::{Atomics, Scatter};
 use crate::film::{Contribution, FilmPixel};
 use crate::glam::Vec3;
-use crate::stream::{NO_PIXEL, RunWindow, Runs, Slot};
+use crate::stream::{RunWindow, Runs, Slot};
 
 /// Kernel: zeroes the counter of slots.
 pub fn clear_counter(_: u32, _: &RunWindow, counter: &mut u32) {
     *counter = 0;
 }
 
-/// Kernel: reserves slots for pixel `lane` of the window, as many as its run is long, and fills them.
-pub fn reserve_slots(
-    lane: u32,
-    window: &RunWindow,
-    starts: &[u32],
-    film: &[FilmPixel],
-    slots: &mut Scatter<'_, Slot>,
-    counter: &mut Atomics<'_>,
-) {
+/// Kernel: reserves slots for pixel `lane` of the window, as many as its run is long.
+pub fn reserve_slots(lane: u32, window: &RunWindow, starts: &[u32], reserved: &mut u32, counter: &mut Atomics<'_>) {
     let runs = Runs::new(window, starts);
     let count = runs.start(lane + 1) - runs.start(lane);
     if count > 0 {
-        let first = counter.add(0, count);
-        let mut k = 0;
-        while k < count {
-            let slot = Slot { rank: window.first_rank + lane, sample: film[lane as usize].samples + k };
-            slots.set(first + k, slot);
-            k += 1;
+        *reserved = counter.add(0, count);
+    }
+}
+
+/// Kernel: fills the slot that would be number `lane` if pixels came in order, where it is one of the window's: runs may be so long that
+/// one lane must not fill them alone.
+pub fn fill_reserved(
+    lane: u32,
+    window: &RunWindow,
+    starts: &[u32],
+    reserved: &[u32],
+    film: &[FilmPixel],
+    slots: &mut Scatter<'_, Slot>,
+) {
+    if lane < starts[0] || lane >= starts[window.pixels as usize] {
+        return;
+    }
+    // The last pixel whose run does not begin after the slot; runs before it may be empty.
+    let (mut pixel, mut end) = (0, window.pixels);
+    while end - pixel > 1 {
+        let middle = (pixel + end) / 2;
+        if starts[middle as usize] <= lane {
+            pixel = middle;
+        } else {
+            end = middle;
         }
     }
+    let k = lane - starts[pixel as usize];
+    let slot = Slot { rank: window.first_rank + pixel, sample: film[pixel as usize].samples + k };
+    slots.set(reserved[pixel as usize] + k, slot);
 }
 
 /// Words of a [`FilmPixel`].
 const WORDS: u32 = 12;
+/// Slots that one lane adds up where they are of one pixel, before it adds the sum to the film: many lanes that change one word by turns
+/// wait for each other.
+pub const STRETCH: u32 = 64;
 
-/// Kernel: adds contribution `lane` to its pixel, if that is in the window. `film` holds [`FilmPixel`]s.
+/// Kernel: adds the contributions of stretch `lane` of the stream to the pixels of the window. `film` holds [`FilmPixel`]s; the stream ends where
+/// the slots do.
 pub fn accumulate_atomic(
     lane: u32,
     window: &RunWindow,
@@ -48,19 +67,29 @@ pub fn accumulate_atomic(
     contributions: &[Contribution],
     film: &mut Atomics<'_>,
 ) {
-    let slot = slots[lane as usize];
-    let pixel = slot.rank.wrapping_sub(window.first_rank);
-    if slot.rank == NO_PIXEL || pixel >= window.pixels {
-        return;
-    }
-    let first = pixel * WORDS;
-    let c = contributions[lane as usize];
-    add(film, first, c.radiance);
-    film.add(first + 3, 1);
-    add(film, first + 4, c.squared);
-    film.add(first + 7, c.rays);
-    if slot.sample & 1 == 1 {
-        add(film, first + 8, c.radiance);
+    let mut slot = lane * STRETCH;
+    let end = (slot + STRETCH).min(slots.len() as u32);
+    while slot < end {
+        let rank = slots[slot as usize].rank;
+        let mut sums =
+            FilmPixel { sum: Vec3::ZERO, samples: 0, sum_of_squares: Vec3::ZERO, rays: 0, odd_sum: Vec3::ZERO, pad: 0 };
+        // The parity of sample numbers is that of the film's count.
+        let first = slots[slot as usize].sample;
+        sums.samples = first & 1;
+        while slot < end && slots[slot as usize].rank == rank {
+            sums.add(&contributions[slot as usize]);
+            slot += 1;
+        }
+        sums.samples -= first & 1;
+        let pixel = rank.wrapping_sub(window.first_rank);
+        if pixel < window.pixels {
+            let first = pixel * WORDS;
+            add(film, first, sums.sum);
+            film.add(first + 3, sums.samples);
+            add(film, first + 4, sums.sum_of_squares);
+            film.add(first + 7, sums.rays);
+            add(film, first + 8, sums.odd_sum);
+        }
     }
 }
 

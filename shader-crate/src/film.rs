@@ -77,11 +77,12 @@ pub fn accumulate_runs(
     // Sums must be taken in order, but loads need not wait for them.
     while end - slot >= 4 {
         let first = slot as usize;
-        let four = [contributions[first], contributions[first + 1], contributions[first + 2], contributions[first + 3]];
-        pixel.add(&four[0]);
-        pixel.add(&four[1]);
-        pixel.add(&four[2]);
-        pixel.add(&four[3]);
+        let (a, b) = (contributions[first], contributions[first + 1]);
+        let (c, d) = (contributions[first + 2], contributions[first + 3]);
+        pixel.add(&a);
+        pixel.add(&b);
+        pixel.add(&c);
+        pixel.add(&d);
         slot += 4;
     }
     while slot < end {

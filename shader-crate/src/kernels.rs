@@ -30,12 +30,12 @@
 macro_rules! for_each_kernel {
     ($with:ident) => {
         $with! {
-            /// Fills the part of a stream of runs that belongs to a window of pixels.
+            /// Fills the runs of a window of pixels.
             fill_runs[64] = $crate::stream::fill_runs {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 starts: u32,
                 read 2 film: $crate::film::FilmPixel,
-                write 3 slots: $crate::stream::Slot,
+                scatter 3 slots: $crate::stream::Slot,
             }
             /// Empties a stream.
             clear_slots[64] = $crate::stream::clear_slots {
@@ -126,13 +126,20 @@ macro_rules! for_each_kernel {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 write 1 counter: u32,
             }
-            /// Reserves and fills slots for each pixel.
+            /// Reserves slots for each pixel.
             reserve_slots[64] = $crate::atomic::reserve_slots {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 starts: u32,
-                read 2 film: $crate::film::FilmPixel,
-                scatter 3 slots: $crate::stream::Slot,
-                atomic 4 counter,
+                write 2 reserved: u32,
+                atomic 3 counter,
+            }
+            /// Fills the slots that pixels have reserved.
+            fill_reserved[64] = $crate::atomic::fill_reserved {
+                uniform 0 parameters: $crate::stream::RunWindow,
+                read 1 starts: u32,
+                read 2 reserved: u32,
+                read 3 film: $crate::film::FilmPixel,
+                scatter 4 slots: $crate::stream::Slot,
             }
             /// Adds contributions to the film by atomics.
             accumulate_atomic[64] = $crate::atomic::accumulate_atomic {

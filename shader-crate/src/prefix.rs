@@ -14,7 +14,7 @@ use crate::device_struct;
 /// Lanes of a workgroup.
 pub const LANES: u32 = 256;
 /// Elements of a lane.
-pub const PER_LANE: u32 = 8;
+pub const PER_LANE: u32 = 4;
 /// Elements of a block.
 pub const BLOCK: u32 = LANES * PER_LANE;
 /// Lanes of a group: sums over a workgroup are made of sums over groups, in few phases.

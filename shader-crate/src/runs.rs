@@ -2,14 +2,14 @@
 //!
 //! A pixel gets a **weight** in proportion to its error, plus a small uniform share. Let `P` be the sum of the weights of all
 //! pixels before it in rank order and `W` that of all: its run begins at slot
-//! `(floor(P * 256 * slots / W) + phase) / 256`, where `phase` is one random number below 256 for the whole round. So the runs follow each
+//! `(P * 256 * slots / W + phase) / 256`, rounded down (the quotient too), where `phase` is one random number below 256 for the whole round. So the runs follow each
 //! other without gaps, their lengths add up to `slots` exactly, and a pixel that is due 2.3 samples gets 2 or 3, 2.3 on average over phases.
 
 use crate::access::Scatter;
 use crate::device_struct;
 use crate::error_scale::{BlockErrors, is_live, magnitude, quantised};
 use crate::prefix::{LANES, Lane, PER_LANE, sum_before, sum_groups, sum_of_all};
-use crate::wide::{Wide, multiply, multiply_divide};
+use crate::wide::{Wide, divide, multiply, multiply_divide};
 
 /// What the weights of all errors add up to, but for rounding.
 pub const ERROR_WEIGHTS: u32 = 1 << 29;
@@ -115,6 +115,26 @@ pub fn weigh_errors(
     }
 }
 
+/// From sums of weights to places in a stream.
+struct Scale {
+    shift: u32,
+    factor: u32,
+}
+
+impl Scale {
+    /// Sums up to `all` become places up to `end`, which is at most 2^30.
+    fn new(end: u32, all: u32) -> Self {
+        // With a factor of 31 bits at least as large as the sum has, one multiplication does for a division.
+        let shift = all.leading_zeros();
+        Self { shift, factor: divide(Wide { high: end, low: 0 }, all << shift) }
+    }
+
+    /// The place of a sum: `sum * end / all`, rounded down, or 1 less.
+    fn of(&self, sum: u32) -> u32 {
+        multiply(sum << self.shift, self.factor).high
+    }
+}
+
 /// Phases of [`run_starts`].
 pub const START_PHASES: u32 = 3;
 
@@ -143,11 +163,11 @@ pub fn run_starts(
     } else if phase == 1 {
         sum_groups(lane, memory);
     } else {
-        let all = offsets[params.blocks as usize];
+        let scale = Scale::new(params.slots << 8, offsets[params.blocks as usize]);
         let mut sum = offsets[lane.group as usize] + sum_before(lane, memory);
         let mut pixel = first;
         while pixel < end {
-            starts.set(pixel, (multiply_divide(sum, params.slots << 8, all) + params.phase) >> 8);
+            starts.set(pixel, (scale.of(sum) + params.phase) >> 8);
             sum += weights[pixel as usize];
             pixel += 1;
         }

@@ -4,6 +4,7 @@
 //! **run**), and runs follow each other in rank order (see [`crate::tiles`]): neighbours in the stream are
 //! neighbours in the picture, and accumulation is a loop over a pixel's own run.
 
+use crate::access::Scatter;
 use crate::device_struct;
 use crate::film::FilmPixel;
 
@@ -54,37 +55,21 @@ impl<'a> Runs<'a> {
     pub fn start(&self, pixel: u32) -> u32 {
         if self.window.samples > 0 { pixel * self.window.samples } else { self.starts[pixel as usize] }
     }
-
-    /// The pixel whose run a slot is in; it must be in that of one of the window's.
-    pub fn pixel_of(&self, slot: u32) -> u32 {
-        match self.window.samples {
-            0 => self.search(slot),
-            samples => slot / samples,
-        }
-    }
-
-    /// The last pixel whose run does not begin after the slot; runs before it may be empty.
-    fn search(&self, slot: u32) -> u32 {
-        let (mut first, mut end) = (0, self.window.pixels);
-        while end - first > 1 {
-            let middle = (first + end) / 2;
-            if self.starts[middle as usize] <= slot {
-                first = middle;
-            } else {
-                end = middle;
-            }
-        }
-        first
-    }
 }
 
-/// Kernel: slot `lane` of a stream of runs, where it belongs to a pixel of the window.
-pub fn fill_runs(lane: u32, window: &RunWindow, starts: &[u32], film: &[FilmPixel], slot: &mut Slot) {
+/// Kernel: fills the run of pixel `lane` of the window.
+pub fn fill_runs(lane: u32, window: &RunWindow, starts: &[u32], film: &[FilmPixel], slots: &mut Scatter<'_, Slot>) {
     let runs = Runs::new(window, starts);
-    if lane >= runs.start(0) && lane < runs.start(window.pixels) {
-        let pixel = runs.pixel_of(lane);
-        let sample = film[pixel as usize].samples + (lane - runs.start(pixel));
-        *slot = Slot { rank: window.first_rank + pixel, sample };
+    let mut slot = runs.start(lane);
+    let end = runs.start(lane + 1);
+    if slot == end {
+        return;
+    }
+    let mut sample = film[lane as usize].samples;
+    while slot < end {
+        slots.set(slot, Slot { rank: window.first_rank + lane, sample });
+        slot += 1;
+        sample += 1;
     }
 }
 

@@ -39,6 +39,8 @@ pub struct Renderer<'e, E: Executor> {
     feature_samples: u32,
 }
 
+/// Camera rays of each pixel's features that are enough for a filter.
+const FILTER_FEATURE_SAMPLES: u32 = 8;
 /// Threads that count rays.
 const COUNTERS: u32 = 4096;
 
@@ -125,7 +127,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
         let mut batch = self.batch;
         let (paths, of_round) = self.stage.round(adaptive.as_ref(), round, &mut batch, after_batch)?;
         timings += of_round;
-        self.feature_samples = self.wanted_feature_samples();
+        self.feature_samples = self.wanted_feature_samples(FILTER_FEATURE_SAMPLES);
         self.batch = batch;
         self.rounds += 1;
         self.paths += paths;
@@ -142,7 +144,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
     /// Launches that bring the features up to date and estimate the errors as they are, for the coming round; none where errors are not estimated.
     fn estimate(&self) -> Option<Parts<'_, E::Buffer>> {
         let estimation = self.estimation.as_ref()?;
-        let mut parts = self.trace_features();
+        let mut parts = self.trace_features(FILTER_FEATURE_SAMPLES);
         let round =
             ComingRound { samples: self.samples_of_round() as f32, mean_radiance: self.mean_radiance.unwrap_or(0.0) };
         let camera = &self.stage.parameters.camera;
@@ -157,7 +159,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
             Some(mut parts) => parts.run(self.stage.executor)?,
             None => return Ok(Timings::default()),
         };
-        self.feature_samples = self.wanted_feature_samples();
+        self.feature_samples = self.wanted_feature_samples(FILTER_FEATURE_SAMPLES);
         Ok(timings)
     }
 
@@ -191,16 +193,16 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(noise.is_some_and(|noise| noise.relative_error <= f64::from(threshold) || noise.unconverged == 0))
     }
 
-    /// Camera rays that the features of each pixel should have by now: as many as a pixel has samples on average, at most
-    /// [`FEATURE_SAMPLES`].
-    fn wanted_feature_samples(&self) -> u32 {
-        (self.paths / u64::from(self.pixels())).min(u64::from(FEATURE_SAMPLES)) as u32
+    /// Camera rays that the features of each pixel should have by now: as many as a pixel has samples on average, at most `limit`.
+    fn wanted_feature_samples(&self, limit: u32) -> u32 {
+        let samples = (self.paths / u64::from(self.pixels())).min(u64::from(limit)) as u32;
+        samples.max(self.feature_samples)
     }
 
     /// Launches that bring the features up to date.
-    fn trace_features(&self) -> Parts<'_, E::Buffer> {
+    fn trace_features(&self, limit: u32) -> Parts<'_, E::Buffer> {
         let mut parts = Parts::default();
-        let samples = self.wanted_feature_samples();
+        let samples = self.wanted_feature_samples(limit);
         if samples > self.feature_samples {
             let stage = &self.stage;
             let launches = stage.film.bands().iter().map(|band| {
@@ -227,8 +229,8 @@ impl<'e, E: Executor> Renderer<'e, E> {
 
     /// Copies the film to the host, with its features and, where they are asked for, with estimates of its errors.
     pub fn film(&mut self) -> Result<Film, ExecError> {
-        self.trace_features().run(self.stage.executor)?;
-        self.feature_samples = self.wanted_feature_samples();
+        self.trace_features(FEATURE_SAMPLES).run(self.stage.executor)?;
+        self.feature_samples = self.wanted_feature_samples(FEATURE_SAMPLES);
         self.run_estimate()?;
         let executor = self.stage.executor;
         let mut film = self.stage.film.read(executor)?;

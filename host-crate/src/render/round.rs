@@ -1,7 +1,7 @@
 //! One round on a device: streams are filled, traced and accumulated.
 
 use super::SceneBuffers;
-use super::allocator::{Allocator, RoundBuffers, Stream, StreamSize};
+use super::allocator::{Allocator, RoundBuffers, Stream};
 use super::batch::BatchSize;
 use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
 use super::integrator::megakernel;
@@ -56,10 +56,9 @@ impl<'e, E: Executor> Stage<'e, E> {
         let Round { paths, salt, errors, mut prelude } = round;
         let buffers =
             RoundBuffers { film: &self.film, errors, slots: &self.slots, contributions: &self.contributions, salt };
-        let size = StreamSize { preferred: batch.slots(), largest: self.slots.len() as u32 };
         let mut timings = Timings::default();
         let mut filled = 0;
-        for stream in allocator.streams(&self.film, paths, size) {
+        for stream in allocator.streams(&self.film, paths, self.slots.len() as u32) {
             timings += self.stream(allocator, std::mem::take(&mut prelude), &buffers, &stream, batch, after_batch)?;
             filled += u64::from(allocator.filled(self.executor, &stream)?);
         }

@@ -1,14 +1,20 @@
 //! The allocator `atomic`: every pixel in proportion to its error, slots and sums by atomics, in the order in which they come.
 
 use super::runs::{RunTable, Weights};
-use super::{Allocator, RoundBuffers, Stream, StreamSize, one_stream};
+use super::{Allocator, RoundBuffers, Stream, one_stream};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::FilmBuffers;
+use raystream_shaders::atomic::STRETCH;
 use raystream_shaders::stream::RunWindow;
+
+/// Half a sample, in the unit of phases: shares of samples are rounded to the nearest, not at random.
+const HALF: u32 = 128;
 
 /// In proportion to the error, by atomics.
 pub struct Atomic<B> {
     table: RunTable<B>,
+    /// The first slot that each pixel has reserved.
+    reserved: Array<B, u32>,
     counter: Array<B, u32>,
 }
 
@@ -17,31 +23,40 @@ impl<B> Atomic<B> {
     pub fn new<E: Executor<Buffer = B>>(executor: &E, pixels: u32) -> Result<Self, ExecError> {
         Ok(Self {
             table: RunTable::new(executor, pixels)?,
+            reserved: Array::zeroed(executor, "the slots that pixels reserve", pixels as usize)?,
             counter: Array::zeroed(executor, "the counter of slots", 1)?,
         })
     }
 }
 
 impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
-    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, size: StreamSize) -> Vec<Stream> {
-        one_stream(film, paths, size)
+    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream> {
+        one_stream(film, paths, largest)
     }
 
     fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
         let as_they_are = Weights { uniform: 0, largest: u32::MAX };
-        let mut launches = self.table.fill(buffers.errors, stream.slots, as_they_are, 0);
+        let mut launches = self.table.fill(buffers.errors, stream.slots, as_they_are, HALF);
         let one = RunWindow { threads: 1, first_rank: 0, pixels: 0, samples: 0 };
         launches.push(Launch::new(&kernels::clear_counter, &one, vec![self.counter.view()]));
         for band in buffers.film.bands() {
-            let threads = band.film.len() as u32;
+            let pixels = band.film.len() as u32;
+            let window = RunWindow { threads: pixels, first_rank: band.first_rank, pixels, samples: 0 };
+            let first = band.first_rank as usize;
+            let reserved = || self.reserved.slice(first..first + band.film.len());
             launches.push(Launch::new(
                 &kernels::reserve_slots,
-                &RunWindow { threads, first_rank: band.first_rank, pixels: threads, samples: 0 },
+                &window,
+                vec![self.table.starts_of(band), reserved(), self.counter.view()],
+            ));
+            launches.push(Launch::new(
+                &kernels::fill_reserved,
+                &RunWindow { threads: stream.slots, ..window },
                 vec![
                     self.table.starts_of(band),
+                    reserved(),
                     band.film.view(),
                     buffers.slots.slice(0..stream.slots as usize),
-                    self.counter.view(),
                 ],
             ));
         }
@@ -55,7 +70,7 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
             Launch::new(
                 &kernels::accumulate_atomic,
                 &RunWindow {
-                    threads: stream.slots,
+                    threads: stream.slots.div_ceil(STRETCH),
                     first_rank: band.first_rank,
                     pixels: band.film.len() as u32,
                     samples: 0,

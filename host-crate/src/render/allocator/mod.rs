@@ -24,8 +24,8 @@ use std::ops::Range;
 /// A pixel's sample numbers continue its film's count without gaps. Samples are added to a pixel in the order of their numbers, by one
 /// thread at a time: then the film does not depend on the device. (All but [`atomic`] keep to this.)
 pub trait Allocator<E: Executor> {
-    /// Cuts a round of `paths` paths into streams.
-    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, size: StreamSize) -> Vec<Stream>;
+    /// Cuts a round of `paths` paths into streams of at most `largest` slots.
+    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream>;
 
     /// Launches that make the stream `stream` of the errors and of the film's counts.
     fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>>;
@@ -37,15 +37,6 @@ pub trait Allocator<E: Executor> {
     fn filled(&self, _executor: &E, stream: &Stream) -> Result<u32, ExecError> {
         Ok(stream.slots)
     }
-}
-
-/// How long streams may be.
-#[derive(Clone, Copy, Debug)]
-pub struct StreamSize {
-    /// Slots that the device traces in a good time.
-    pub preferred: u32,
-    /// Slots that there is memory for.
-    pub largest: u32,
 }
 
 /// A stream of a round.
@@ -90,6 +81,6 @@ pub fn create<E: Executor>(kind: AllocatorKind, executor: &E, pixels: u32) -> Re
 }
 
 /// One stream over the whole picture.
-fn one_stream<B>(film: &FilmBuffers<B>, paths: u64, size: StreamSize) -> Vec<Stream> {
-    vec![Stream { pixels: 0..film.pixels(), slots: paths.min(u64::from(size.largest)) as u32 }]
+fn one_stream<B>(film: &FilmBuffers<B>, paths: u64, largest: u32) -> Vec<Stream> {
+    vec![Stream { pixels: 0..film.pixels(), slots: paths.min(u64::from(largest)) as u32 }]
 }

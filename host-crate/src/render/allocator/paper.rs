@@ -1,7 +1,7 @@
 //! The allocator `paper`: streams of pixels whose error exceeds random thresholds; see [`raystream_shaders::paper`].
 
 use super::runs::ErrorScale;
-use super::{Allocator, RoundBuffers, Stream, StreamSize, one_stream};
+use super::{Allocator, RoundBuffers, Stream, one_stream};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::FilmBuffers;
 use raystream_shaders::paper::{PaperParams, PaperState, STREAMS};
@@ -83,8 +83,8 @@ impl<B> Paper<B> {
 }
 
 impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
-    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, size: StreamSize) -> Vec<Stream> {
-        one_stream(film, paths, size)
+    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream> {
+        one_stream(film, paths, largest)
     }
 
     fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {

@@ -1,7 +1,7 @@
 //! The allocator `runs`: every pixel in proportion to its error, its slots in one run.
 
 use super::uniform::{accumulate_runs, fill_runs};
-use super::{Allocator, RoundBuffers, Stream, StreamSize, one_stream};
+use super::{Allocator, RoundBuffers, Stream, one_stream};
 use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::render::film::{Band, FilmBuffers};
 use raystream_shaders::error_scale::BlockErrors;
@@ -29,8 +29,8 @@ impl<B> Runs<B> {
 }
 
 impl<E: Executor> Allocator<E> for Runs<E::Buffer> {
-    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, size: StreamSize) -> Vec<Stream> {
-        one_stream(film, paths, size)
+    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream> {
+        one_stream(film, paths, largest)
     }
 
     fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {

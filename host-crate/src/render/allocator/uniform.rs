@@ -1,6 +1,6 @@
 //! The allocator `uniform`: every pixel gets the same number of samples.
 
-use super::{Allocator, RoundBuffers, Stream, StreamSize};
+use super::{Allocator, RoundBuffers, Stream};
 use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::render::film::{Band, FilmBuffers, WINDOW_ALIGNMENT};
 use raystream_shaders::stream::RunWindow;
@@ -22,14 +22,14 @@ impl<B> Uniform<B> {
 impl<E: Executor> Allocator<E> for Uniform<E::Buffer> {
     /// Cuts the round, `paths / pixels` samples for each pixel, into windows of pixels whose slots fit, and where even the smallest window's do not, into
     /// passes of fewer samples.
-    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, size: StreamSize) -> Vec<Stream> {
+    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream> {
         let mut streams = Vec::new();
         let mut left = (paths / u64::from(film.pixels())) as u32;
         while left > 0 {
-            let samples = left.min((size.largest / WINDOW_ALIGNMENT).max(1));
+            let samples = left.min((largest / WINDOW_ALIGNMENT).max(1));
             for band in film.bands() {
                 let mut next = 0;
-                while let Some(window) = band.window(next, size.preferred / samples) {
+                while let Some(window) = band.window(next, largest / samples) {
                     next = window.end;
                     let pixels = band.first_rank + window.start..band.first_rank + window.end;
                     streams.push(Stream { slots: pixels.len() as u32 * samples, pixels });
@@ -61,7 +61,7 @@ pub(super) fn fill_runs<'a, B>(
         Launch::new(
             &kernels::fill_runs,
             &RunWindow {
-                threads: stream.slots,
+                threads: pixels.len() as u32,
                 first_rank: band.first_rank + pixels.start,
                 pixels: pixels.len() as u32,
                 samples,
