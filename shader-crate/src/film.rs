@@ -74,16 +74,22 @@ pub fn accumulate_runs(
         return;
     }
     let mut pixel = *film;
-    // Sums must be taken in order, but loads need not wait for them.
-    while end - slot >= 4 {
+    // Sums must be taken in order, but loads need not wait for them: a long run takes as long as its loads, one after the other.
+    while end - slot >= 8 {
         let first = slot as usize;
         let (a, b) = (contributions[first], contributions[first + 1]);
         let (c, d) = (contributions[first + 2], contributions[first + 3]);
+        let (e, f) = (contributions[first + 4], contributions[first + 5]);
+        let (g, h) = (contributions[first + 6], contributions[first + 7]);
         pixel.add(&a);
         pixel.add(&b);
         pixel.add(&c);
         pixel.add(&d);
-        slot += 4;
+        pixel.add(&e);
+        pixel.add(&f);
+        pixel.add(&g);
+        pixel.add(&h);
+        slot += 8;
     }
     while slot < end {
         pixel.add(&contributions[slot as usize]);
