@@ -131,8 +131,8 @@ fn summary(
         text += "\nEqual error: the time that `atomic` with the same estimator needs, by what each configuration needs.\n\n";
         text += &markdown(&columns);
     }
-    text += "\nRounds, the first of each configuration aside (it is uniform): device time of an average round, tracing rates, and those \
-             rates by the ones of uniform rounds of the same lengths.\n\n";
+    text += "\nRounds, the first of each configuration aside (it is uniform): device time of an average round, tracing rates, and (medians \
+             over the rounds) generation and accumulation by tracing, and rates by those of uniform rounds of the same lengths.\n\n";
     text + &markdown(&rounds(breakdowns))
 }
 
@@ -230,6 +230,8 @@ fn rounds(breakdowns: &[(String, Breakdown)]) -> Vec<Column> {
     let two_digits = |value: Option<f64>| value.map(|value| format!("{value:.2}"));
     columns.push(column("Mpaths/s", &|b| two_digits(millions_per_second(b.paths, b.timings.tracing))));
     columns.push(column("Mrays/s", &|b| two_digits(millions_per_second(b.rays, b.timings.tracing))));
+    columns
+        .push(column("generation + accumulation by tracing", &|b| b.overhead.map(|o| format!("{:.2} %", 100.0 * o))));
     columns.push(column("paths by uniform's", &|b| two_digits(b.paths_ratio)));
     columns.push(column("rays by uniform's", &|b| two_digits(b.rays_ratio)));
     columns

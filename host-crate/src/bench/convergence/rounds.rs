@@ -96,10 +96,13 @@ pub struct Breakdown {
     pub rays: u64,
     /// Where their time went.
     pub timings: Timings,
-    /// Tracing rate in paths, over that of uniform rounds of the same lengths.
+    /// Tracing rate in paths, over that of a uniform round of the same length: the median over the rounds, which a device that slows down for a
+    /// while does not change.
     pub paths_ratio: Option<f64>,
     /// The same in rays.
     pub rays_ratio: Option<f64>,
+    /// Generation and accumulation together over tracing, likewise.
+    pub overhead: Option<f64>,
 }
 
 impl Breakdown {
@@ -108,26 +111,36 @@ impl Breakdown {
         let rounds = if rounds.len() > 1 { &rounds[1..] } else { rounds };
         let mut timings = Timings::default();
         let (mut paths, mut rays) = (0, 0);
-        let mut uniform_seconds = Some((0.0, 0.0));
         for round in rounds {
             timings += round.timings;
             paths += round.paths;
             rays += round.rays;
-            uniform_seconds = uniform_seconds.zip(uniform.of_length(round.paths)).map(|((by_paths, by_rays), rate)| {
-                (by_paths + round.paths as f64 / rate.paths, by_rays + round.rays as f64 / rate.rays)
-            });
         }
-        let seconds = Some(timings.tracing.as_secs_f64()).filter(|&seconds| seconds > 0.0);
-        let ratio = |uniform: Option<f64>| uniform.zip(seconds).map(|(uniform, seconds)| uniform / seconds);
+        // The seconds that a round takes to trace, if its time can be told from none.
+        let seconds = |round: &Round| Some(round.timings.tracing.as_secs_f64()).filter(|&seconds| seconds > 0.0);
         Self {
             rounds: rounds.len(),
             paths,
             rays,
             timings,
-            paths_ratio: ratio(uniform_seconds.map(|s| s.0)),
-            rays_ratio: ratio(uniform_seconds.map(|s| s.1)),
+            paths_ratio: median_of(rounds, |round| {
+                Some(round.paths as f64 / seconds(round)? / uniform.of_length(round.paths)?.paths)
+            }),
+            rays_ratio: median_of(rounds, |round| {
+                Some(round.rays as f64 / seconds(round)? / uniform.of_length(round.paths)?.rays)
+            }),
+            overhead: median_of(rounds, |round| {
+                Some((round.timings.generation + round.timings.accumulation).as_secs_f64() / seconds(round)?)
+            }),
         }
     }
+}
+
+/// The median of `value` over `rounds`; none if one has none.
+fn median_of(rounds: &[Round], value: impl Fn(&Round) -> Option<f64>) -> Option<f64> {
+    let mut values = rounds.iter().map(value).collect::<Option<Vec<_>>>()?;
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 /// `count` per second in millions, where the time can be told from none.
@@ -164,15 +177,22 @@ mod tests {
     }
 
     #[test]
-    fn the_ratio_weighs_rounds_by_their_time() {
+    fn one_slow_round_changes_no_ratio() {
         // Uniform rounds of 1 and 2 samples: 100 and 200 paths per second, ten rays a path.
         let rates = [(1, Rate { paths: 100.0, rays: 1000.0 }), (2, Rate { paths: 200.0, rays: 2000.0 })];
         let uniform = UniformRates { pixels: 100, rates: rates.into() };
-        let rounds = [round(500, 1, 9.0), round(100, 2000, 2.0), round(200, 4000, 2.0)];
+        let rounds = [
+            round(500, 1, 9.0),
+            round(100, 2000, 2.0),
+            round(100, 2000, 2.0),
+            round(200, 4000, 2.0),
+            round(200, 4000, 50.0),
+        ];
         let breakdown = Breakdown::of(&rounds, &uniform);
-        assert_eq!((breakdown.rounds, breakdown.paths, breakdown.rays), (2, 300, 6000));
+        assert_eq!((breakdown.rounds, breakdown.paths, breakdown.rays), (4, 600, 12_000));
         assert_eq!(breakdown.paths_ratio, Some(0.5));
         assert_eq!(breakdown.rays_ratio, Some(1.0));
+        assert_eq!(breakdown.overhead, Some(0.0));
         assert_eq!(Breakdown::of(&rounds[..1], &uniform).paths_ratio, None, "that length was not measured");
     }
 }
