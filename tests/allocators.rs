@@ -349,6 +349,10 @@ struct Small(CpuExecutor);
 impl Executor for Small {
     type Buffer = CpuBuffer;
 
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
     fn limits(&self) -> Limits {
         Limits { buffer_bytes: 48 * 64 * 5, ..self.0.limits() }
     }

@@ -2,6 +2,7 @@
 
 #[path = "command_line/commands.rs"]
 mod commands;
+mod common;
 #[path = "command_line/convergence.rs"]
 mod convergence;
 #[path = "command_line/interrupt.rs"]

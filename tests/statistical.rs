@@ -180,6 +180,7 @@ fn rounds_do_not_change_the_film() {
     for samples in [1, 7, 3, 10] {
         renderer.round(samples, &mut |_| ()).unwrap();
     }
+    renderer.finish_features().unwrap();
     assert_eq!(renderer.film().unwrap(), at_once);
     let rays: u64 = at_once.radiance.iter().map(|p| u64::from(p.rays)).sum();
     assert_eq!(renderer.rays().unwrap(), rays);

@@ -52,7 +52,7 @@ fn writes_what_there_is() {
         assert_eq!(names(folder.path()), ["a.exr", "b.png"]);
         let layers = raystream::image::read_layers(&folder.path().join("a.exr")).unwrap();
         let samples = layers.channel("samples.N").unwrap();
-        assert!(samples[0] >= 1.0 && samples.iter().all(|n| *n == samples[0]), "every pixel has the same samples");
+        assert!(samples.iter().all(|n| *n >= 1.0), "every pixel has a sample");
     }
 }
 

@@ -1,6 +1,7 @@
 //! Devices without enough memory.
 
-use crate::program::{Run, names, program};
+use crate::common::has_gpu;
+use crate::program::{Run, names, program, run};
 use std::io::Write;
 use std::process::Command;
 
@@ -24,4 +25,23 @@ fn a_gpu_without_enough_memory() {
         .unwrap();
     Run::new(output).failed(&["has no room for", "smaller picture", "raystream devices"]);
     assert!(names(folder.path()).is_empty());
+}
+
+/// Errors are estimated over the whole picture at once, which not every device can be given.
+#[test]
+fn a_picture_too_large_for_estimates_is_sampled_uniformly() {
+    if !has_gpu() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let options = "render --device gpu --size 2000x1500 --spp 1 --max-depth 1";
+    let by_default = run(folder.path(), &format!("{options} -o a.exr")).succeeded();
+    let asked_for = run(folder.path(), &format!("{options} -o b.exr --allocator runs"));
+    // Devices with larger buffers just render it.
+    if by_default.stderr.contains("warning: ") {
+        by_default.says(&["--allocator uniform", "wrote a.exr"]);
+        asked_for.failed(&["estimates the errors", "--device cpu"]);
+    } else {
+        asked_for.succeeded();
+    }
 }

@@ -45,7 +45,9 @@ fn several_outputs() {
 #[test]
 fn layers_as_pictures() {
     let folder = folder();
-    let beside = |name: &str| ["albedo", "depth", "normal", "samples"].map(|layer| format!("{name}.{layer}.png"));
+    let beside = |name: &str| {
+        ["albedo", "depth", "error", "filtered", "normal", "samples"].map(|layer| format!("{name}.{layer}.png"))
+    };
     render(folder.path(), &format!("{TINY} --png-layers")).succeeded().says(&[
         "wrote cornell_ball.png\n",
         "wrote cornell_ball.samples.png\n",

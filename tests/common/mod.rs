@@ -63,6 +63,7 @@ fn say_loudly(what: &str) {
 pub fn render_on<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings, samples: u32) -> Film {
     let mut renderer = Renderer::new(executor, scene, settings).expect("the scene fits");
     renderer.round(samples, &mut |_| ()).expect("the device works");
+    renderer.finish_features().expect("the device works");
     renderer.film().expect("the device works")
 }
 

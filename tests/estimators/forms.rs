@@ -115,6 +115,10 @@ struct SmallBuffers(CpuExecutor);
 impl Executor for SmallBuffers {
     type Buffer = <CpuExecutor as Executor>::Buffer;
 
+    fn name(&self) -> &str {
+        "a device of small buffers"
+    }
+
     fn limits(&self) -> Limits {
         Limits { buffer_bytes: 64 * 48, ..self.0.limits() }
     }

@@ -3,12 +3,13 @@
 use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
 use super::output::{self, is_same_file, rate};
 use super::progress::ProgressDisplay;
-use super::sampling::SamplingArguments;
+use super::sampling::{SamplingArguments, describe};
 use super::{CliError, Ending, INTERRUPTED};
-use crate::exec::Executor;
 use crate::exec::device::Device;
+use crate::exec::{ExecError, Executor};
 use crate::film::Film;
 use crate::image::{self, Display, Format, ToneMap};
+use crate::render::estimation::Estimation;
 use crate::render::{Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, run as render};
 use crate::scene::DEFAULT_SCENE;
 use clap::Args;
@@ -72,7 +73,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     };
     check_outputs(&outputs, arguments.png_layers)?;
     let device = arguments.device.open()?;
-    let settings = Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
+    let mut settings = Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
     let say = |line: String| {
         if !arguments.quiet {
             output::say(&line);
@@ -94,6 +95,12 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let has_no_other_end = arguments.time.is_none() && settings.sampling.noise.is_none();
     let budget =
         Budget { samples: arguments.spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES)), time: arguments.time };
+    if let Some(sampling) = arguments.sampling.fallback()
+        && let Err(error) = can_estimate(&device, &settings)
+    {
+        output::say(&format!("warning: {error}; sampling every pixel equally instead (--allocator uniform)"));
+        settings.sampling = sampling;
+    }
     let mut display = ProgressDisplay::new(arguments.quiet);
     let (film, outcome) = match &device {
         Device::Cpu(cpu) => render_film(cpu, &prepared, &settings, budget, &interrupted, &mut display),
@@ -109,7 +116,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
     ];
     header.extend(arguments.settings.describe(&settings));
-    header.extend(arguments.sampling.describe());
+    header.extend(describe(&settings.sampling));
     let picture_display = Display { exposure: arguments.exposure, tone_map: arguments.tone_map };
     // Where one cannot be written (a disk is full), the others still save the render.
     let mut written = Ok(());
@@ -131,6 +138,14 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     Ok(if outcome.interrupted { Ending::Interrupted } else { Ending::Done })
 }
 
+/// Fails where a picture is too large for the device to estimate its errors.
+fn can_estimate(device: &Device, settings: &Settings) -> Result<(), ExecError> {
+    match device {
+        Device::Cpu(cpu) => Estimation::check(cpu, settings.size),
+        Device::Gpu(gpu) => Estimation::check(gpu.as_ref(), settings.size),
+    }
+}
+
 fn render_film<E: Executor>(
     executor: &E,
     scene: &PreparedScene,
@@ -143,6 +158,7 @@ fn render_film<E: Executor>(
     let outcome =
         render(&mut renderer, budget, &|| interrupted.load(Ordering::Relaxed), &mut |progress| display.show(progress));
     display.finish();
+    renderer.finish_features()?;
     Ok((renderer.film()?, outcome?))
 }
 

@@ -7,9 +7,9 @@ use clap::Args;
 #[derive(Args)]
 #[command(next_help_heading = "Adaptive sampling")]
 pub struct SamplingArguments {
-    /// Who decides which pixels a round samples.
-    #[arg(long, value_enum, default_value_t = AllocatorKind::default())]
-    allocator: AllocatorKind,
+    /// Who decides which pixels a round samples [default: runs, or uniform where a picture is too large for the device to estimate errors].
+    #[arg(long, value_enum)]
+    allocator: Option<AllocatorKind>,
     #[command(flatten)]
     estimation: EstimationArguments,
     /// What the error of a pixel is taken to be.
@@ -63,7 +63,7 @@ impl SamplingArguments {
     /// How samples are spent.
     pub fn sampling(&self) -> Sampling {
         Sampling {
-            allocator: self.allocator,
+            allocator: self.allocator.unwrap_or_default(),
             estimator: self.estimator,
             relative: self.relative,
             noise: self.noise,
@@ -71,23 +71,28 @@ impl SamplingArguments {
         }
     }
 
-    /// The options as pairs of name and value, for a picture's header.
-    pub fn describe(&self) -> Vec<(String, String)> {
-        let pair = |name: &str, value: String| (name.to_owned(), value);
-        let mut pairs = vec![pair("allocator", format!("{:?}", self.allocator).to_lowercase())];
-        if self.allocator != AllocatorKind::Uniform {
-            pairs.push(pair("estimator", format!("{:?}", self.estimator).to_lowercase()));
-            pairs.push(pair("relative", self.relative.to_string()));
-            pairs.push(pair("initial_spp", self.rounds.initial_spp.to_string()));
-            if let Some(budget) = self.rounds.round_budget {
-                pairs.push(pair("round_budget", budget.to_string()));
-            }
-        }
-        if let Some(noise) = self.noise {
-            pairs.push(pair("noise", noise.to_string()));
-        }
-        pairs
+    /// What to do instead where the device cannot hold what estimates errors: nothing, if that was asked for.
+    pub fn fallback(&self) -> Option<Sampling> {
+        (self.allocator.is_none() && self.noise.is_none()).then_some(Sampling::UNIFORM)
     }
+}
+
+/// How samples were spent, as pairs of name and value, for a picture's header.
+pub fn describe(sampling: &Sampling) -> Vec<(String, String)> {
+    let pair = |name: &str, value: String| (name.to_owned(), value);
+    let mut pairs = vec![pair("allocator", format!("{:?}", sampling.allocator).to_lowercase())];
+    if sampling.allocator != AllocatorKind::Uniform {
+        pairs.push(pair("estimator", format!("{:?}", sampling.estimator).to_lowercase()));
+        pairs.push(pair("relative", sampling.relative.to_string()));
+        pairs.push(pair("initial_spp", sampling.initial_samples.to_string()));
+        if let Some(budget) = sampling.round_budget {
+            pairs.push(pair("round_budget", budget.to_string()));
+        }
+    }
+    if let Some(noise) = sampling.noise {
+        pairs.push(pair("noise", noise.to_string()));
+    }
+    pairs
 }
 
 impl RoundArguments {

@@ -23,6 +23,10 @@ enum Lock<'a> {
 impl Executor for CpuExecutor {
     type Buffer = CpuBuffer;
 
+    fn name(&self) -> &str {
+        "the CPU"
+    }
+
     fn limits(&self) -> Limits {
         Limits { buffer_bytes: isize::MAX as u64, alignment: 16 }
     }

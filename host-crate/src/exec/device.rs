@@ -1,8 +1,8 @@
 //! Which devices there are, and the choice of one.
 
-use super::ExecError;
 use super::cpu::CpuExecutor;
 use super::gpu::{GpuExecutor, ShaderPath, largest_buffer};
+use super::{ExecError, Executor};
 
 /// Storage buffers that a kernel may bind, at most: the number that every implementation of WebGPU grants.
 pub const STORAGE_BUFFERS: u32 = 8;

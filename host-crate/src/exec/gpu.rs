@@ -118,11 +118,6 @@ impl GpuExecutor {
         Ok(executor)
     }
 
-    /// The name that the driver gives the device.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     fn shader_module(&self, path: ShaderPath) -> wgpu::ShaderModule {
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(SPIRV);
         match path {
@@ -301,6 +296,10 @@ fn record(failure: &Mutex<Option<String>>, message: String) {
 impl Executor for GpuExecutor {
     type Buffer = wgpu::Buffer;
 
+    fn name(&self) -> &str {
+        &self.name
+    }
+
     fn limits(&self) -> Limits {
         Limits {
             buffer_bytes: largest_buffer(&self.limits),
@@ -309,10 +308,7 @@ impl Executor for GpuExecutor {
     }
 
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<wgpu::Buffer, ExecError> {
-        let limit = self.limits().buffer_bytes;
-        if bytes > limit {
-            return Err(ExecError::TooLarge { device: self.name.clone(), label, bytes, limit });
-        }
+        self.check_size(label, bytes)?;
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),

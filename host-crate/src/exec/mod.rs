@@ -24,6 +24,18 @@ pub trait Executor {
     /// What may be asked of the device.
     fn limits(&self) -> Limits;
 
+    /// The device, for messages.
+    fn name(&self) -> &str;
+
+    /// Fails where a buffer of `bytes` would be larger than a kernel can be given.
+    fn check_size(&self, label: &'static str, bytes: u64) -> Result<(), ExecError> {
+        let limit = self.limits().buffer_bytes;
+        if bytes > limit {
+            return Err(ExecError::TooLarge { device: self.name().to_owned(), label, bytes, limit });
+        }
+        Ok(())
+    }
+
     /// A new buffer of `bytes` (at least 1), zeroed. `label` names it in errors.
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError>;
 

@@ -12,6 +12,8 @@ use raystream_shaders::filter::FilterParams;
 use raystream_shaders::guide::{Guide, GuideParams, HALVES, SUM_OF_SQUARES};
 use raystream_shaders::tiles::pixel_of_rank;
 
+/// What the largest buffer is called in errors.
+const GUIDES: &str = "what estimates the errors of so large a picture";
 /// Threads that add up errors.
 const ADDERS: u32 = 4096;
 
@@ -46,6 +48,12 @@ pub struct Noise {
 }
 
 impl<B> Estimation<B> {
+    /// Fails where a picture of `size` is too large for a device, whose kernels must be given all guides at once.
+    pub fn check<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<(), ExecError> {
+        let bytes = u64::from(size.width) * u64::from(size.height) * size_of::<Guide>() as u64;
+        executor.check_size(GUIDES, bytes)
+    }
+
     /// Buffers for a picture of `size`.
     ///
     /// # Errors
@@ -54,7 +62,7 @@ impl<B> Estimation<B> {
         let pixels = (size.width * size.height) as usize;
         Ok(Self {
             size,
-            guides: Array::zeroed(executor, "the estimators' guides", pixels)?,
+            guides: Array::zeroed(executor, GUIDES, pixels)?,
             estimates: Array::zeroed(executor, "estimates", pixels)?,
             errors: Array::zeroed(executor, "errors", pixels)?,
             totals: Array::zeroed(executor, "sums of errors", ADDERS as usize)?,

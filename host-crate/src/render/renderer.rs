@@ -227,10 +227,17 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(total)
     }
 
-    /// Copies the film to the host, with its features and, where they are asked for, with estimates of its errors.
-    pub fn film(&mut self) -> Result<Film, ExecError> {
+    /// Brings the features of every pixel to as many camera rays as a picture of its samples deserves: as many as a pixel has samples on average, at most
+    /// [`FEATURE_SAMPLES`]. The errors of later rounds may change by it, so this is for the end of a render.
+    pub fn finish_features(&mut self) -> Result<(), ExecError> {
         self.trace_features(FEATURE_SAMPLES).run(self.stage.executor)?;
         self.feature_samples = self.wanted_feature_samples(FEATURE_SAMPLES);
+        Ok(())
+    }
+
+    /// Copies the film to the host, with the features [so far](Self::finish_features) and, where they are asked for, with estimates of its
+    /// errors.
+    pub fn film(&mut self) -> Result<Film, ExecError> {
         self.run_estimate()?;
         let executor = self.stage.executor;
         let mut film = self.stage.film.read(executor)?;
