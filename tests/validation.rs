@@ -18,23 +18,33 @@ fn raystream(arguments: &[&str]) -> Output {
 /// What wgpu says where the layer is not installed.
 const MISSING_LAYER: &str = "unable to find layer";
 
-const TINY_RENDER: [&str; 9] = ["render", "--size", "16x12", "--spp", "2", "--device", "gpu", "-o", "a.png"];
+/// Renders with every allocator, and with every estimator: so every kernel of a render runs, and again after others.
+fn renders() -> impl Iterator<Item = Vec<&'static str>> {
+    let tiny = "render --size 16x12 --spp 8 --initial-spp 2 --round-budget 2 --noise 0.0001 --device gpu -o a.png";
+    [("uniform", "bilateral"), ("paper", "bilateral"), ("atomic", "halves"), ("runs", "variance")].into_iter().map(
+        move |(allocator, estimator)| {
+            tiny.split(' ').chain(["--allocator", allocator, "--estimator", estimator]).collect()
+        },
+    )
+}
 
 #[test]
 fn a_render_under_the_validation_layer_is_clean() {
     if !common::has_gpu() {
         return;
     }
-    let output = raystream(&[&TINY_RENDER[..], &["--validation"]].concat());
-    let messages = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{messages}");
-    if messages.contains(MISSING_LAYER) {
-        common::no_gpu("the layer VK_LAYER_KHRONOS_validation is not installed (package vulkan-validationlayers)");
-        return;
-    }
-    // wgpu logs what the layer says with the severity that it gives; rules that were broken have names that begin with VUID.
-    for trouble in ["VUID", "ERROR", "WARN"] {
-        assert!(!messages.contains(trouble), "{messages}");
+    for render in renders() {
+        let output = raystream(&[&render[..], &["--validation"]].concat());
+        let messages = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{messages}");
+        if messages.contains(MISSING_LAYER) {
+            common::no_gpu("the layer VK_LAYER_KHRONOS_validation is not installed (package vulkan-validationlayers)");
+            return;
+        }
+        // wgpu logs what the layer says with the severity that it gives; rules that were broken have names that begin with VUID.
+        for trouble in ["VUID", "ERROR", "WARN"] {
+            assert!(!messages.contains(trouble), "{render:?}: {messages}");
+        }
     }
 }
 
@@ -59,6 +69,8 @@ fn naga_translates_the_kernels() {
     if !common::has_gpu() {
         return;
     }
-    let output = raystream(&[&TINY_RENDER[..], &["--naga"]].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for render in renders() {
+        let output = raystream(&[&render[..], &["--naga"]].concat());
+        assert!(output.status.success(), "{render:?}: {}", String::from_utf8_lossy(&output.stderr));
+    }
 }
