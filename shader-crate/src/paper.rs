@@ -3,9 +3,9 @@
 //!
 //! A pixel enters a stream if its error exceeds a random number in `[0, r)`; stream compaction puts those that do close together. Streams are appended until the
 //! round is full, and `r` is found by bisection on the way. Where the paper's text is open: a stream that would overshoot is
-//! dropped and `r` raised, one that fits is kept and `r` lowered; after [`STREAMS`] streams one more, at the lower end of the
-//! bisection, is thinned evenly to what is left. What that cannot fill either (fewer pixels want a sample than there are slots) stays
-//! empty.
+//! dropped and `r` raised, one that fits is kept and `r` lowered; after [`BISECTIONS`] streams one more, at the lower end of the
+//! bisection, is thinned evenly to what is left, and should too few pixels want to be in that, then one of all pixels. What these cannot
+//! fill either (a stream has no more slots than there are pixels) stays empty.
 //!
 //! All in integers (see [`crate::error_scale`]), all decided on the device.
 
@@ -17,8 +17,10 @@ use crate::sampler::hash;
 use crate::stream::Slot;
 use crate::wide::{Wide, divide, multiply};
 
-/// Streams of a round before the last, thinned one.
-pub const STREAMS: u32 = 32;
+/// Streams of a round before the thinned ones.
+pub const BISECTIONS: u32 = 32;
+/// Streams of a round.
+pub const STREAMS: u32 = BISECTIONS + 2;
 
 device_struct! {
     /// The parameters of one step: of one stream. 32 bytes.
@@ -31,7 +33,7 @@ device_struct! {
         pub blocks: u32,
         /// Slots of the round.
         pub slots: u32,
-        /// Number of the stream, 0 to [`STREAMS`]; that one is thinned.
+        /// Number of the stream, below [`STREAMS`].
         pub stream: u32,
         /// A random number, other for every stream.
         pub salt: u32,
@@ -85,8 +87,8 @@ pub fn paper_select(
     let state = states[params.stream as usize];
     if state.filled == params.slots {
         *keep = 0;
-    } else if all.exponent == 0 {
-        // Nothing is known of any pixel: all alike.
+    } else if all.exponent == 0 || params.stream == STREAMS - 1 {
+        // Nothing is known of any pixel, or too few want samples: all alike.
         *keep = (is_live(error) || all.live == 0) as u32;
     } else {
         let random = multiply(hash(lane ^ hash(params.salt)), state.range).high;
@@ -99,14 +101,8 @@ pub fn paper_decide(_: u32, params: &PaperParams, offsets: &[u32], states: &mut 
     let mut state = states.get(params.stream);
     let room = params.slots - state.filled;
     state.wanted = offsets[params.blocks as usize];
-    let is_last = params.stream == STREAMS;
-    state.taken = if state.wanted <= room {
-        state.wanted
-    } else if is_last {
-        room
-    } else {
-        0
-    };
+    let is_thinned = params.stream >= BISECTIONS;
+    state.taken = if is_thinned || state.wanted <= room { state.wanted.min(room) } else { 0 };
     states.set(params.stream, state);
     if state.wanted <= room {
         state.high = state.range;
@@ -115,7 +111,7 @@ pub fn paper_decide(_: u32, params: &PaperParams, offsets: &[u32], states: &mut 
     }
     state.filled += state.taken;
     state.range = state.low + (state.high - state.low) / 2;
-    if params.stream + 1 == STREAMS {
+    if params.stream + 1 == BISECTIONS {
         state.range = state.low;
     }
     state.taken = 0;

@@ -32,13 +32,13 @@ impl<B> Paper<B> {
             sums: words("sums of flags", blocks + 1)?,
             kept: words("the pixels of a stream", pixels as usize)?,
             counts: words("the samples of pixels", pixels as usize)?,
-            states: Array::zeroed(executor, "the states of the bisection", STREAMS as usize + 2)?,
+            states: Array::zeroed(executor, "the states of the bisection", STREAMS as usize + 1)?,
         })
     }
 
     /// The streams of the last round: [`PaperState::filled`] is the first slot of each, `taken` its length.
     pub fn states<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<PaperState>, ExecError> {
-        self.states.read_range(executor, 0..STREAMS as usize + 1)
+        self.states.read_range(executor, 0..STREAMS as usize)
     }
 
     fn parameters(&self, stream: &Stream, number: u32, threads: u32) -> PaperParams {
@@ -103,14 +103,14 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
             ));
         }
         launches.push(Launch::new(&kernels::paper_begin, &self.parameters(stream, 0, 1), vec![self.states.view()]));
-        launches.extend((0..=STREAMS).flat_map(|number| self.append(buffers, stream, number)));
+        launches.extend((0..STREAMS).flat_map(|number| self.append(buffers, stream, number)));
         launches
     }
 
     fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
         let slots = stream.slots as usize;
         let mut launches = Vec::new();
-        for number in 0..=STREAMS {
+        for number in 0..STREAMS {
             for band in buffers.film.bands() {
                 let parameters = self.parameters(stream, number, self.pixels.min(stream.slots));
                 launches.push(Launch::new(
@@ -129,7 +129,7 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
     }
 
     fn filled(&self, executor: &E, _: &Stream) -> Result<u32, ExecError> {
-        let end = STREAMS as usize + 1;
+        let end = STREAMS as usize;
         Ok(self.states.read_range(executor, end..end + 1)?[0].filled)
     }
 }
