@@ -4,7 +4,7 @@
 //! ([`scatter_kept`]): Billeter, Olsson, Assarsson, "Efficient Stream Compaction on Wide SIMD Many-Core Architectures", HPG 2009.
 
 use crate::access::Scatter;
-use crate::prefix::{BlockParams, Lane, PER_LANE, sum_before, sum_groups};
+use crate::prefix::{BlockParams, Lane, PER_LANE, sum_before, sum_groups, sum_values};
 
 /// Phases of [`scatter_kept`].
 pub const SCATTER_PHASES: u32 = 3;
@@ -23,13 +23,7 @@ pub fn scatter_kept(
     let first = lane.first_element().min(params.elements);
     let end = (first + PER_LANE).min(params.elements);
     if phase == 0 {
-        let mut count = 0;
-        let mut element = first;
-        while element < end {
-            count += keep[element as usize];
-            element += 1;
-        }
-        memory[lane.index as usize] = count;
+        memory[lane.index as usize] = sum_values(keep, first, end);
     } else if phase == 1 {
         sum_groups(lane, memory);
     } else {

@@ -85,6 +85,25 @@ pub fn sum_of_all<const N: usize>(memory: &[u32; N]) -> u32 {
     sum(memory, LANES, LANES / GROUP)
 }
 
+/// The phases after the first of a kernel that wants the sum of each block, once each lane's part is in the memory.
+pub fn finish_block_sum<const N: usize>(phase: u32, lane: Lane, sums: &mut Scatter<'_, u32>, memory: &mut [u32; N]) {
+    if phase == 1 {
+        sum_groups(lane, memory);
+    } else if lane.index == 0 {
+        sums.set(lane.group, sum_of_all(memory));
+    }
+}
+
+/// The sum of the values from `first` to before `end`.
+pub fn sum_values(values: &[u32], first: u32, end: u32) -> u32 {
+    let (mut sum, mut element) = (0, first);
+    while element < end {
+        sum += values[element as usize];
+        element += 1;
+    }
+    sum
+}
+
 /// The sum over the lanes before this one, a phase after [`sum_groups`].
 pub fn sum_before<const N: usize>(lane: Lane, memory: &[u32; N]) -> u32 {
     let group = lane.index / GROUP;
@@ -115,10 +134,8 @@ pub fn sum_blocks(
             k += 1;
         }
         memory[lane.index as usize] = sum;
-    } else if phase == 1 {
-        sum_groups(lane, memory);
-    } else if lane.index == 0 {
-        sums.set(lane.group, sum_of_all(memory));
+    } else {
+        finish_block_sum(phase, lane, sums, memory);
     }
 }
 

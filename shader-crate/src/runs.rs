@@ -8,7 +8,7 @@
 use crate::access::Scatter;
 use crate::device_struct;
 use crate::error_scale::{BlockErrors, is_live, magnitude, quantised};
-use crate::prefix::{LANES, Lane, PER_LANE, sum_before, sum_groups, sum_of_all};
+use crate::prefix::{BLOCK, LANES, Lane, PER_LANE, finish_block_sum, sum_before, sum_groups, sum_values};
 use crate::wide::{Wide, divide, multiply, multiply_divide};
 
 /// What the weights of all errors add up to, but for rounding.
@@ -96,7 +96,7 @@ pub fn weigh_errors(
 ) {
     if phase == 0 {
         let weighing = Weighing::new(params, &totals[params.blocks as usize]);
-        let (mut pixel, mut sum) = (lane.group * LANES * PER_LANE + lane.index, 0);
+        let (mut pixel, mut sum) = (lane.group * BLOCK + lane.index, 0);
         let mut k = 0;
         while k < PER_LANE {
             if pixel < params.pixels {
@@ -108,10 +108,8 @@ pub fn weigh_errors(
             k += 1;
         }
         memory[lane.index as usize] = sum;
-    } else if phase == 1 {
-        sum_groups(lane, memory);
-    } else if lane.index == 0 {
-        sums.set(lane.group, sum_of_all(memory));
+    } else {
+        finish_block_sum(phase, lane, sums, memory);
     }
 }
 
@@ -124,7 +122,7 @@ struct Scale {
 impl Scale {
     /// Sums up to `all` become places up to `end`, which is at most 2^30.
     fn new(end: u32, all: u32) -> Self {
-        // With a factor of 31 bits at least as large as the sum has, one multiplication does for a division.
+        // Shifted up until all its 32 bits are used, the sum's reciprocal is exact enough for one multiplication to do for a division.
         let shift = all.leading_zeros();
         Self { shift, factor: divide(Wide { high: end, low: 0 }, all << shift) }
     }
@@ -153,13 +151,7 @@ pub fn run_starts(
     let first = lane.first_element().min(params.pixels);
     let end = (first + PER_LANE).min(params.pixels);
     if phase == 0 {
-        let mut sum = 0;
-        let mut pixel = first;
-        while pixel < end {
-            sum += weights[pixel as usize];
-            pixel += 1;
-        }
-        memory[lane.index as usize] = sum;
+        memory[lane.index as usize] = sum_values(weights, first, end);
     } else if phase == 1 {
         sum_groups(lane, memory);
     } else {
