@@ -1,5 +1,7 @@
 //! The program as a user runs it, on the CPU with tiny pictures.
 
+#[path = "command_line/adaptive.rs"]
+mod adaptive;
 #[path = "command_line/commands.rs"]
 mod commands;
 mod common;
