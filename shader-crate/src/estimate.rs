@@ -16,6 +16,10 @@ pub const CONVERGED: f32 = -1.0;
 /// the picture does not see noise there, and nothing black divides by zero.
 pub const SOFT_FLOOR: f32 = 0.1;
 
+/// Samples from which a pixel's own variance says whether it has converged. That of fewer is itself very uncertain, and 0 where a rare bright path is
+/// still to be found.
+pub const TRUSTED_SAMPLES: u32 = 64;
+
 device_struct! {
     /// What an estimator thinks of one pixel. 16 bytes.
     pub struct Estimate {
@@ -41,22 +45,29 @@ device_struct! {
 }
 
 impl ErrorForm {
-    /// The allocators' error of a pixel with `samples` samples: the squared error, absolute or relative, times the part of it that the coming round would
+    /// The allocators' error of the pixel `guide`: the squared error, absolute or relative, times the part of it that the coming round would
     /// take away if the pixel got its average share (Podee et al., equation 1); or [`CONVERGED`]; or 0 where that is not finite.
     ///
-    /// `spread` is another estimate of the squared error, and a pixel has converged when both are small: an
-    /// estimate that is one random number squared is often small by chance.
-    pub fn of(&self, estimate: &Estimate, spread: f32, samples: u32) -> f32 {
+    /// `spread` is another estimate of the squared error, and a pixel of few samples has converged when both are small: an
+    /// estimate that is one random number squared is often small by chance. Both look at neighbours, which may be
+    /// noisy for ever when they have converged by their own brightness. So from [`TRUSTED_SAMPLES`] on the pixel's own variance decides alone,
+    /// which its own samples bring down: every pixel converges.
+    pub fn of(&self, estimate: &Estimate, spread: f32, guide: &Guide) -> f32 {
         let relative = relative_error(estimate.filtered, estimate.squared_error, self.mean_radiance);
         let doubtful = relative_error(estimate.filtered, spread, self.mean_radiance);
         if !is_finite(relative) || !is_finite(doubtful) {
             return 0.0;
         }
-        if self.noise > 0.0 && relative.max(doubtful) <= self.noise * self.noise {
+        let worst = if guide.samples < TRUSTED_SAMPLES {
+            relative.max(doubtful)
+        } else {
+            relative_error(guide.color, guide.variance, self.mean_radiance)
+        };
+        if self.noise > 0.0 && worst <= self.noise * self.noise {
             return CONVERGED;
         }
         let current = if self.relative != 0 { relative } else { estimate.squared_error };
-        let reduction = current * (self.samples_of_round / (self.samples_of_round + samples as f32));
+        let reduction = current * (self.samples_of_round / (self.samples_of_round + guide.samples as f32));
         if is_finite(reduction) { reduction } else { 0.0 }
     }
 }
@@ -105,7 +116,7 @@ pub fn noise_errors(lane: u32, params: &NoiseParams, guides: &[Guide], estimate:
     if guide.is_measured() {
         estimate.squared_error =
             if params.smooth != 0 { smoothed_variance(params, guides, rank) } else { guide.variance };
-        *error = params.form.of(estimate, estimate.squared_error, guide.samples);
+        *error = params.form.of(estimate, guide.variance, &guide);
     }
 }
 
@@ -190,50 +201,68 @@ mod tests {
         Estimate { filtered: Vec3::new(0.0, radiance, 2.0 * radiance), squared_error }
     }
 
+    /// A pixel whose own variance is large.
+    fn guide(samples: u32) -> Guide {
+        Guide { color: Vec3::ONE, variance: 100.0, samples, ..Guide::default() }
+    }
+
     fn close(a: f32, b: f32) {
         assert!((a - b).abs() <= 4.0 * f32::EPSILON * b.abs(), "{a} and {b}");
     }
 
     #[test]
     fn the_error_is_what_a_round_takes_away() {
-        close(FORM.of(&estimate(1.0, 8.0), 8.0, 5), 8.0 * 3.0 / (3.0 + 5.0));
-        close(FORM.of(&estimate(1.0, 8.0), 0.0, 1000), 8.0 * 3.0 / 1003.0);
-        assert_eq!(FORM.of(&estimate(1.0, 0.0), 0.0, 5), 0.0);
+        close(FORM.of(&estimate(1.0, 8.0), 8.0, &guide(5)), 8.0 * 3.0 / (3.0 + 5.0));
+        close(FORM.of(&estimate(1.0, 8.0), 0.0, &guide(1000)), 8.0 * 3.0 / 1003.0);
+        assert_eq!(FORM.of(&estimate(1.0, 0.0), 0.0, &guide(5)), 0.0);
     }
 
     #[test]
     fn relative_errors_ignore_brightness_down_to_the_floor() {
         let form = ErrorForm { relative: 1, ..FORM };
-        close(form.of(&estimate(1.0, 8.0), 8.0, 5), 8.0 / (1.0 + 0.2 * 0.2) * 3.0 / 8.0);
-        close(form.of(&estimate(0.0, 8.0), 8.0, 5), 8.0 / (0.2 * 0.2) * 3.0 / 8.0);
+        close(form.of(&estimate(1.0, 8.0), 8.0, &guide(5)), 8.0 / (1.0 + 0.2 * 0.2) * 3.0 / 8.0);
+        close(form.of(&estimate(0.0, 8.0), 8.0, &guide(5)), 8.0 / (0.2 * 0.2) * 3.0 / 8.0);
         // The same picture under lamps of another unit.
         let brighter = ErrorForm { mean_radiance: 2.0 * 1024.0, ..form };
-        assert_eq!(brighter.of(&estimate(1024.0, 8.0 * 1024.0 * 1024.0), 0.0, 5), form.of(&estimate(1.0, 8.0), 0.0, 5));
+        assert_eq!(
+            brighter.of(&estimate(1024.0, 8.0 * 1024.0 * 1024.0), 0.0, &guide(5)),
+            form.of(&estimate(1.0, 8.0), 0.0, &guide(5))
+        );
     }
 
     #[test]
     fn pixels_converge_when_all_that_is_known_of_their_error_is_small() {
         for relative in [0, 1] {
             let form = ErrorForm { noise: 0.5, relative, mean_radiance: 0.0, ..FORM };
-            assert_eq!(form.of(&estimate(2.0, 1.0), 1.0, 5), CONVERGED);
-            assert_eq!(form.of(&estimate(2.0, 0.0), 0.0, 5), CONVERGED);
-            assert_eq!(form.of(&estimate(0.0, 0.0), 0.0, 5), CONVERGED, "black");
-            assert!(form.of(&estimate(2.0, 1.01), 1.0, 5) > 0.0);
-            assert!(form.of(&estimate(2.0, 0.1), 1.01, 5) > 0.0);
-            assert!(ErrorForm { noise: 0.0, ..form }.of(&estimate(2.0, 1e-9), 0.0, 5) > 0.0, "switched off");
+            assert_eq!(form.of(&estimate(2.0, 1.0), 1.0, &guide(5)), CONVERGED);
+            assert_eq!(form.of(&estimate(2.0, 0.0), 0.0, &guide(5)), CONVERGED);
+            assert_eq!(form.of(&estimate(0.0, 0.0), 0.0, &guide(5)), CONVERGED, "black");
+            assert!(form.of(&estimate(2.0, 1.01), 1.0, &guide(5)) > 0.0);
+            assert!(form.of(&estimate(2.0, 0.1), 1.01, &guide(5)) > 0.0);
+            assert!(ErrorForm { noise: 0.0, ..form }.of(&estimate(2.0, 1e-9), 0.0, &guide(5)) > 0.0, "switched off");
         }
+    }
+
+    #[test]
+    fn a_pixel_of_many_samples_is_judged_by_its_own_variance() {
+        let form = ErrorForm { noise: 0.5, mean_radiance: 0.0, ..FORM };
+        let noisy = guide(TRUSTED_SAMPLES);
+        assert!(form.of(&estimate(2.0, 0.1), 0.1, &noisy) > 0.0, "whatever others say");
+        let calm = Guide { variance: 0.25, ..noisy };
+        assert_eq!(form.of(&estimate(2.0, 100.0), 100.0, &calm), CONVERGED, "whatever others say");
+        assert!(form.of(&estimate(2.0, 100.0), 0.1, &Guide { samples: TRUSTED_SAMPLES - 1, ..calm }) > 0.0);
     }
 
     #[test]
     fn what_is_not_finite_asks_for_nothing() {
         for form in [FORM, ErrorForm { relative: 1, noise: 0.1, ..FORM }] {
             for bad in [f32::NAN, f32::INFINITY] {
-                assert_eq!(form.of(&estimate(1.0, bad), 1.0, 5), 0.0);
-                assert_eq!(form.of(&estimate(1.0, 1.0), bad, 5), 0.0);
-                assert_eq!(form.of(&estimate(bad, f32::NAN), 1.0, 5), 0.0);
+                assert_eq!(form.of(&estimate(1.0, bad), 1.0, &guide(5)), 0.0);
+                assert_eq!(form.of(&estimate(1.0, 1.0), bad, &guide(5)), 0.0);
+                assert_eq!(form.of(&estimate(bad, f32::NAN), 1.0, &guide(5)), 0.0);
             }
         }
         // A black picture with an error: over nothing, so of no known size.
-        assert_eq!(ErrorForm { mean_radiance: 0.0, ..FORM }.of(&estimate(0.0, 1.0), 1.0, 5), 0.0);
+        assert_eq!(ErrorForm { mean_radiance: 0.0, ..FORM }.of(&estimate(0.0, 1.0), 1.0, &guide(5)), 0.0);
     }
 }

@@ -76,7 +76,7 @@ pub fn filter_errors(lane: u32, params: &FilterParams, guides: &[Guide], estimat
             squared_error += filtered.shared_noise * filtered.variance;
         }
         *estimate = Estimate { filtered: filtered.color, squared_error };
-        *error = params.form.of(estimate, filtered.variance, guide.samples);
+        *error = params.form.of(estimate, filtered.variance, &guide);
     }
 }
 

@@ -152,9 +152,8 @@ fn renders_with_caustics_end_as_well() {
 }
 
 /// Smoothed errors are of a pixel and its neighbours, but each pixel's convergence is relative to its own brightness: a bright pixel that
-/// has converged and gets no more samples leaves its noise to a dark neighbour, which gets samples that do not help it.
+/// has converged and gets no more samples leaves its noise to a dark neighbour, which must not wait for it.
 #[test]
-#[ignore = "does not end: a dark pixel waits for a bright neighbour that has converged"]
 fn smoothed_errors_converge() {
     let room = room(scenes::mirror(0.9), 16, 12);
     for allocator in [Paper, Atomic, Runs] {

@@ -32,6 +32,10 @@ impl<'e, E: Executor> Small<'e, E> {
 impl<E: Executor> Executor for Small<'_, E> {
     type Buffer = E::Buffer;
 
+    fn name(&self) -> &str {
+        self.inner.name()
+    }
+
     fn limits(&self) -> Limits {
         let limits = self.inner.limits();
         Limits { buffer_bytes: limits.buffer_bytes.min(SLOTS * 32), ..limits }
@@ -79,6 +83,7 @@ pub fn render_on<E: Executor>(
     let outcome = run(&mut renderer, Budget { samples, time: None }, &|| false, &mut |_| ()).expect("the device works");
     assert!(!outcome.interrupted);
     assert_eq!(outcome.paths, renderer.paths());
+    renderer.finish_features().expect("the device works");
     let film = renderer.film().expect("the device works");
     let total: u64 = film.samples().into_iter().map(u64::from).sum();
     assert_eq!(total, outcome.paths, "samples in the film");
