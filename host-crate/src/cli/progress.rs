@@ -47,11 +47,11 @@ impl ProgressDisplay {
     }
 }
 
-/// How much of the budget is spent: of samples or of time, whichever is nearer its end.
+/// How much of the budget is spent: of samples or of time, or of the way to the noise, whichever is nearer its end.
 fn fraction(progress: &Progress) -> f64 {
     let samples = progress.total_paths.map_or(0.0, |total| progress.paths as f64 / total as f64);
     let time = progress.time.map_or(0.0, |time| progress.elapsed.as_secs_f64() / time.as_secs_f64());
-    samples.max(time).min(1.0)
+    samples.max(time).max(progress.convergence).min(1.0)
 }
 
 fn describe(progress: &Progress) -> String {
@@ -75,8 +75,10 @@ mod tests {
             rays: 100,
             elapsed: Duration::from_secs(5),
             time: Some(Duration::from_secs(10)),
+            convergence: 0.25,
         };
         assert_eq!(fraction(&progress), 0.5);
         assert_eq!(describe(&progress), "5 samples/s, 20 rays/s, 5 s left");
+        assert_eq!(fraction(&Progress { convergence: 0.75, ..progress }), 0.75);
     }
 }

@@ -31,6 +31,8 @@ pub struct Renderer<'e, E: Executor> {
     batch: BatchSize,
     ray_counts: Array<E::Buffer, u32>,
     seed: u32,
+    /// See [`Self::convergence`].
+    convergence: f64,
     /// Rounds so far.
     rounds: u32,
     /// Paths traced so far.
@@ -73,6 +75,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
             mean_radiance: None,
             ray_counts: Array::zeroed(executor, "ray counts", COUNTERS as usize)?,
             seed: settings.seed,
+            convergence: 0.0,
             rounds: 0,
             paths: 0,
             feature_samples: 0,
@@ -189,8 +192,15 @@ impl<'e, E: Executor> Renderer<'e, E> {
         if self.paths < u64::from(self.sampling.initial_samples) * u64::from(self.pixels()) {
             return Ok(false);
         }
-        let noise = self.noise()?;
-        Ok(noise.is_some_and(|noise| noise.relative_error <= f64::from(threshold) || noise.unconverged == 0))
+        let Some(noise) = self.noise()? else { return Ok(false) };
+        self.convergence = (f64::from(threshold) / noise.relative_error).powi(2).min(1.0);
+        Ok(noise.relative_error <= f64::from(threshold) || noise.unconverged == 0)
+    }
+
+    /// How far the picture is on its way to [`Sampling::noise`] in samples, from 0 to 1, by what [`Self::has_converged`] saw last: the squared error falls as samples
+    /// rise.
+    pub fn convergence(&self) -> f64 {
+        self.convergence
     }
 
     /// Camera rays that the features of each pixel should have by now: as many as a pixel has samples on average, at most `limit`.

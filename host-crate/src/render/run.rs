@@ -27,6 +27,8 @@ pub struct Progress {
     pub elapsed: Duration,
     /// The budget's time.
     pub time: Option<Duration>,
+    /// How far the picture is on its way to the noise that was asked for, from 0 to 1; 0 where none was.
+    pub convergence: f64,
 }
 
 /// How a render ended.
@@ -75,7 +77,8 @@ pub fn run<E: Executor>(
     let start = Instant::now();
     let pixels = u64::from(renderer.pixels());
     let total_paths = budget.samples.map(|samples| u64::from(samples) * pixels);
-    let mut progress = Progress { paths: 0, total_paths, rays: 0, elapsed: Duration::ZERO, time: budget.time };
+    let mut progress =
+        Progress { paths: 0, total_paths, rays: 0, elapsed: Duration::ZERO, time: budget.time, convergence: 0.0 };
     let mut timings = Timings::default();
     let mut last_count = start;
     let mut rays_per_path = 0.0;
@@ -87,6 +90,7 @@ pub fn run<E: Executor>(
         if left == 0 || spent || renderer.has_converged()? {
             break false;
         }
+        progress.convergence = renderer.convergence();
         // Without a single sample there is nothing to write.
         if paths > 0 && interrupted() {
             break true;
