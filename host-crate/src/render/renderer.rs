@@ -24,6 +24,8 @@ pub struct Renderer<'e, E: Executor> {
     adaptive: Option<Box<dyn Allocator<E>>>,
     /// There is one where errors are asked for: by an allocator or by [`Sampling::noise`].
     estimation: Option<Estimation<E::Buffer>>,
+    /// Whether the errors are those of the film as it is: a round, better features or another mean radiance change them.
+    estimated: bool,
     /// What the uniform allocator, which does not look, is given as errors.
     no_errors: Array<E::Buffer, f32>,
     /// Mean radiance of the picture as the first round saw it: what relative errors are relative to must not change under way.
@@ -71,6 +73,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
             uniform: Uniform::new(executor)?,
             adaptive: adaptive.transpose()?,
             estimation: estimation.transpose()?,
+            estimated: false,
             no_errors: Array::zeroed(executor, "no errors", 1)?,
             mean_radiance: None,
             ray_counts: Array::zeroed(executor, "ray counts", COUNTERS as usize)?,
@@ -115,6 +118,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
         let paths = u64::from(samples) * u64::from(self.pixels());
         let round = Round { paths, salt: 0, errors: &self.no_errors, prelude: Parts::default() };
         let (paths, timings) = self.stage.round(&self.uniform, round, &mut self.batch, after_batch)?;
+        self.estimated = false;
         self.rounds += 1;
         self.paths += paths;
         Ok(timings)
@@ -122,8 +126,8 @@ impl<'e, E: Executor> Renderer<'e, E> {
 
     fn adaptive_round(&mut self, paths_left: u64, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
         let mut timings = self.measure_mean_radiance()?;
-        let Some(prelude) = self.estimate() else { return Ok(timings) };
         let (Some(adaptive), Some(estimation)) = (&self.adaptive, &self.estimation) else { return Ok(timings) };
+        let prelude = self.estimate();
         let paths = ((self.samples_of_round() * f64::from(self.pixels())) as u64).clamp(1, paths_left);
         let salt = hash(self.seed ^ hash(self.rounds));
         let round = Round { paths, salt, errors: estimation.errors(), prelude };
@@ -132,6 +136,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
         timings += of_round;
         self.feature_samples = self.wanted_feature_samples(FILTER_FEATURE_SAMPLES);
         self.batch = batch;
+        self.estimated = false;
         self.rounds += 1;
         self.paths += paths;
         Ok(timings)
@@ -144,25 +149,26 @@ impl<'e, E: Executor> Renderer<'e, E> {
         self.sampling.samples_of_round(self.paths as f64 / pixels).min(largest)
     }
 
-    /// Launches that bring the features up to date and estimate the errors as they are, for the coming round; none where errors are not estimated.
-    fn estimate(&self) -> Option<Parts<'_, E::Buffer>> {
-        let estimation = self.estimation.as_ref()?;
+    /// Launches that bring the features up to date and estimate the errors as they are, for the coming round, unless that has been done; nothing where
+    /// errors are not estimated.
+    fn estimate(&self) -> Parts<'_, E::Buffer> {
+        let Some(estimation) = self.estimation.as_ref().filter(|_| !self.estimated) else { return Parts::default() };
         let mut parts = self.trace_features(FILTER_FEATURE_SAMPLES);
         let round =
             ComingRound { samples: self.samples_of_round() as f32, mean_radiance: self.mean_radiance.unwrap_or(0.0) };
         let camera = &self.stage.parameters.camera;
         let launches = estimation.launches(&self.stage.film, camera, &self.sampling, round);
         parts.add(launches, |timings| &mut timings.estimation);
-        Some(parts)
+        parts
     }
 
     /// Estimates the errors now; nothing where they are not estimated.
     fn run_estimate(&mut self) -> Result<Timings, ExecError> {
-        let timings = match self.estimate() {
-            Some(mut parts) => parts.run(self.stage.executor)?,
-            None => return Ok(Timings::default()),
-        };
-        self.feature_samples = self.wanted_feature_samples(FILTER_FEATURE_SAMPLES);
+        let timings = self.estimate().run(self.stage.executor)?;
+        if self.estimation.is_some() {
+            self.feature_samples = self.wanted_feature_samples(FILTER_FEATURE_SAMPLES);
+            self.estimated = true;
+        }
         Ok(timings)
     }
 
@@ -174,6 +180,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
         let timings = self.run_estimate()?;
         if let Some(estimation) = &self.estimation {
             self.mean_radiance = Some(estimation.noise(self.stage.executor, 0.0)?.mean_radiance as f32);
+            self.estimated = false;
         }
         Ok(timings)
     }
@@ -242,6 +249,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
     pub fn finish_features(&mut self) -> Result<(), ExecError> {
         self.trace_features(FEATURE_SAMPLES).run(self.stage.executor)?;
         self.feature_samples = self.wanted_feature_samples(FEATURE_SAMPLES);
+        self.estimated = false;
         Ok(())
     }
 
