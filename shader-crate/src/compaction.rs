@@ -4,10 +4,7 @@
 //! ([`scatter_kept`]): Billeter, Olsson, Assarsson, "Efficient Stream Compaction on Wide SIMD Many-Core Architectures", HPG 2009.
 
 use crate::access::Scatter;
-use crate::prefix::{BlockParams, Lane, PER_LANE, sum_before, sum_groups, sum_values};
-
-/// Phases of [`scatter_kept`].
-pub const SCATTER_PHASES: u32 = 3;
+use crate::prefix::{BlockParams, Lane, Memory, PER_LANE, sum_before, sum_groups, sum_values};
 
 /// Kernel, in phases: writes the indices of all elements whose flag in `keep` is 1 (the others' is 0) to `kept`, in order. `offsets` are the
 /// numbers of kept elements before each block.
@@ -18,7 +15,7 @@ pub fn scatter_kept(
     keep: &[u32],
     offsets: &[u32],
     kept: &mut Scatter<'_, u32>,
-    memory: &mut [u32; 272],
+    memory: &mut Memory,
 ) {
     let first = lane.first_element().min(params.elements);
     let end = (first + PER_LANE).min(params.elements);

@@ -53,7 +53,7 @@ pub fn block_errors(
     params: &BlockParams,
     errors: &[f32],
     blocks: &mut Scatter<'_, BlockErrors>,
-    memory: &mut [u32; 1088],
+    memory: &mut Memory,
 ) {
     let end = (lane.group * BLOCK + BLOCK).min(params.elements);
     let mut element = lane.group * BLOCK + lane.index;
@@ -89,7 +89,7 @@ pub fn add_block_errors(
     lane: Lane,
     params: &BlockParams,
     blocks: &mut Scatter<'_, BlockErrors>,
-    memory: &mut [u32; 1088],
+    memory: &mut Memory,
 ) {
     let mut block = lane.index;
     if phase == 0 {
@@ -124,7 +124,9 @@ impl BlockErrors {
     const NOTHING: Self = Self { exponent: 0, live: 0, sum_high: 0, sum_low: 0 };
 }
 
-// The workgroup's memory: four words for each lane, of each kind those of all lanes together, and then those of groups of lanes.
+/// The workgroup's memory: four words for each lane, of each kind those of all lanes together, and then those of groups of lanes.
+pub type Memory = [u32; 4 * PLACES as usize];
+
 const EXPONENT: u32 = 0;
 const LIVE: u32 = PLACES;
 const HIGH: u32 = 2 * PLACES;
@@ -132,18 +134,18 @@ const LOW: u32 = 3 * PLACES;
 /// Words of each kind.
 const PLACES: u32 = LANES + LANES / GROUP;
 
-fn store_exponent(memory: &mut [u32; 1088], place: u32, errors: &BlockErrors) {
+fn store_exponent(memory: &mut Memory, place: u32, errors: &BlockErrors) {
     memory[(EXPONENT + place) as usize] = errors.exponent;
     memory[(LIVE + place) as usize] = errors.live;
 }
 
-fn store_sum(memory: &mut [u32; 1088], place: u32, sum: Wide) {
+fn store_sum(memory: &mut Memory, place: u32, sum: Wide) {
     memory[(HIGH + place) as usize] = sum.high;
     memory[(LOW + place) as usize] = sum.low;
 }
 
 /// The phases between: what the lanes of each group have, put together.
-fn fold(phase: u32, lane: Lane, memory: &mut [u32; 1088]) {
+fn fold(phase: u32, lane: Lane, memory: &mut Memory) {
     if lane.index < LANES / GROUP {
         let first = lane.index * GROUP;
         if phase == 1 {
@@ -156,7 +158,7 @@ fn fold(phase: u32, lane: Lane, memory: &mut [u32; 1088]) {
     }
 }
 
-fn exponents(memory: &[u32; 1088], first: u32, count: u32) -> BlockErrors {
+fn exponents(memory: &Memory, first: u32, count: u32) -> BlockErrors {
     let mut errors = BlockErrors::NOTHING;
     let mut k = 0;
     while k < count {
@@ -167,7 +169,7 @@ fn exponents(memory: &[u32; 1088], first: u32, count: u32) -> BlockErrors {
     errors
 }
 
-fn sums(memory: &[u32; 1088], first: u32, count: u32) -> Wide {
+fn sums(memory: &Memory, first: u32, count: u32) -> Wide {
     let mut sum = Wide::ZERO;
     let mut k = 0;
     while k < count {
@@ -178,11 +180,11 @@ fn sums(memory: &[u32; 1088], first: u32, count: u32) -> Wide {
     sum
 }
 
-fn exponent_of_all(memory: &[u32; 1088]) -> BlockErrors {
+fn exponent_of_all(memory: &Memory) -> BlockErrors {
     exponents(memory, LANES, LANES / GROUP)
 }
 
-fn all(memory: &[u32; 1088]) -> BlockErrors {
+fn all(memory: &Memory) -> BlockErrors {
     let sum = sums(memory, LANES, LANES / GROUP);
     BlockErrors { sum_high: sum.high, sum_low: sum.low, ..exponent_of_all(memory) }
 }

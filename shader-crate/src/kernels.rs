@@ -20,8 +20,8 @@
 //! - in the host crate, a `Kernel`: the same facts as data, and a native loop over lanes for the CPU. It is safe Rust, because
 //!   an element that a lane owns is an element of a parallel iterator.
 //!
-//! A row `name[workgroup size] phased(phases, words) = function { ... }` is a kernel whose lanes cooperate, see
-//! [`crate::prefix`]: `function(phase, Lane, &P, ..., &mut [u32; words])` is called for every phase, with the workgroup's memory as the
+//! A row `name[workgroup size] phased(phases, Memory) = function { ... }` is a kernel whose lanes cooperate, see
+//! [`crate::prefix`]: `function(phase, Lane, &P, ..., &mut Memory)` is called for every phase, with the workgroup's memory as the
 //! last argument. The GPU calls it for its own lane and puts a barrier after each phase; the CPU calls it for all
 //! lanes of a workgroup in turn. Such a kernel has no `write` bindings.
 
@@ -78,36 +78,36 @@ macro_rules! for_each_kernel {
                 write 2 rays: u32,
             }
             /// Adds up each block of numbers.
-            sum_blocks[256] phased($crate::prefix::SUM_PHASES, 272) = $crate::prefix::sum_blocks {
+            sum_blocks[256] phased($crate::prefix::PHASES, $crate::prefix::Memory) = $crate::prefix::sum_blocks {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 read 1 values: u32,
                 scatter 2 sums: u32,
             }
             /// Turns the sums of blocks into those of all blocks before each.
-            scan_blocks[256] phased($crate::prefix::SCAN_PHASES, 272) = $crate::prefix::scan_blocks {
+            scan_blocks[256] phased($crate::prefix::PHASES, $crate::prefix::Memory) = $crate::prefix::scan_blocks {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 scatter 1 sums: u32,
             }
             /// Writes the places of what is to be kept, close together.
-            scatter_kept[256] phased($crate::compaction::SCATTER_PHASES, 272) = $crate::compaction::scatter_kept {
+            scatter_kept[256] phased($crate::prefix::PHASES, $crate::prefix::Memory) = $crate::compaction::scatter_kept {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 read 1 keep: u32,
                 read 2 offsets: u32,
                 scatter 3 kept: u32,
             }
             /// Finds the largest exponent and the sum of each block of errors.
-            block_errors[256] phased($crate::error_scale::PHASES, 1088) = $crate::error_scale::block_errors {
+            block_errors[256] phased($crate::error_scale::PHASES, $crate::error_scale::Memory) = $crate::error_scale::block_errors {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 read 1 errors: f32,
                 scatter 2 blocks: $crate::error_scale::BlockErrors,
             }
             /// Puts the errors of all blocks together.
-            add_block_errors[256] phased($crate::error_scale::PHASES, 1088) = $crate::error_scale::add_block_errors {
+            add_block_errors[256] phased($crate::error_scale::PHASES, $crate::error_scale::Memory) = $crate::error_scale::add_block_errors {
                 uniform 0 parameters: $crate::prefix::BlockParams,
                 scatter 1 blocks: $crate::error_scale::BlockErrors,
             }
             /// Makes weights of errors.
-            weigh_errors[256] phased($crate::runs::WEIGH_PHASES, 272) = $crate::runs::weigh_errors {
+            weigh_errors[256] phased($crate::prefix::PHASES, $crate::prefix::Memory) = $crate::runs::weigh_errors {
                 uniform 0 parameters: $crate::runs::RunParams,
                 read 1 errors: f32,
                 read 2 totals: $crate::error_scale::BlockErrors,
@@ -115,7 +115,7 @@ macro_rules! for_each_kernel {
                 scatter 4 sums: u32,
             }
             /// Finds where the run of each pixel begins.
-            run_starts[256] phased($crate::runs::START_PHASES, 272) = $crate::runs::run_starts {
+            run_starts[256] phased($crate::prefix::PHASES, $crate::prefix::Memory) = $crate::runs::run_starts {
                 uniform 0 parameters: $crate::runs::RunParams,
                 read 1 weights: u32,
                 read 2 offsets: u32,
@@ -272,13 +272,13 @@ pub mod entry_points {
     macro_rules! entry_points {
         ($(
             $(#[$doc:meta])*
-            $name:ident[$workgroup:tt] $(phased($phases:expr, $words:tt))? = $function:path {
+            $name:ident[$workgroup:tt] $(phased($phases:expr, $Memory:ty))? = $function:path {
                 uniform $uniform_binding:tt $parameters:ident: $Parameters:ty,
                 $($bindings:tt)*
             }
         )*) => {$(
             entry_point! {
-                [$($phases, $words)?]
+                [$($phases, $Memory)?]
                 $(#[$doc])*
                 $name[$workgroup] = $function {
                     uniform $uniform_binding $parameters: $Parameters,
@@ -326,7 +326,7 @@ pub mod entry_points {
             }
         };
         (
-            [$phases:expr, $words:tt]
+            [$phases:expr, $Memory:ty]
             $(#[$doc:meta])*
             $name:ident[$workgroup:tt] = $function:path {
                 uniform $uniform_binding:tt $parameters:ident: $Parameters:ty,
@@ -343,7 +343,7 @@ pub mod entry_points {
                 #[spirv(uniform, descriptor_set = 0, binding = $uniform_binding)] $parameters: &$Parameters,
                 $(#[spirv(storage_buffer, descriptor_set = 0, binding = $read_binding)] $read: &[$Read],)*
                 $(#[spirv(storage_buffer, descriptor_set = 0, binding = $scatter_binding)] $scattered: &mut [$Scattered],)*
-                #[spirv(workgroup)] memory: &mut [u32; $words],
+                #[spirv(workgroup)] memory: &mut $Memory,
             ) {
                 let group = place.y * workgroups.x + place.x;
                 // The same for all lanes of a workgroup, so that all or none meet the barriers.

@@ -3,6 +3,7 @@
 use crate::device_struct;
 use crate::glam::Vec3;
 use crate::math::triangle_normal;
+use crate::wide::{Wide, multiply};
 
 device_struct! {
     /// One emissive triangle, and one column of the alias table that chooses among them. 64 bytes.
@@ -71,7 +72,7 @@ impl<'a> LightView<'a> {
 
     /// A light, chosen by power with 32 random `bits`: Walker's alias method in integers.
     pub fn choose(&self, bits: u32) -> u32 {
-        let (column, fraction) = widening_mul(bits, self.count);
+        let Wide { high: column, low: fraction } = multiply(bits, self.count);
         let light = &self.lights[column as usize];
         if fraction >> 8 < light.threshold { column } else { light.alias }
     }
@@ -93,29 +94,6 @@ impl<'a> LightView<'a> {
             normal: triangle_normal(light.edge1, light.edge2),
             radiance: light.radiance,
             pdf: light.pdf,
-        }
-    }
-}
-
-/// Upper and lower half of the 64-bit product, made of 16-bit ones: not every GPU has wider integers.
-fn widening_mul(a: u32, b: u32) -> (u32, u32) {
-    let low = (a & 0xffff) * (b & 0xffff);
-    let middle = (a >> 16) * (b & 0xffff) + (low >> 16);
-    let other = (a & 0xffff) * (b >> 16) + (middle & 0xffff);
-    ((a >> 16) * (b >> 16) + (middle >> 16) + (other >> 16), other << 16 | low & 0xffff)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::widening_mul;
-
-    #[test]
-    fn the_product_is_that_of_64_bits() {
-        for a in [0, 1, 0xffff, 0x1_0000, 0x8000_0001, 0xdead_beef, u32::MAX] {
-            for b in [0, 1, 3, 0xffff, 0x1_0001, 0x7fff_ffff, u32::MAX] {
-                let product = u64::from(a) * u64::from(b);
-                assert_eq!(widening_mul(a, b), ((product >> 32) as u32, product as u32), "{a} * {b}");
-            }
         }
     }
 }

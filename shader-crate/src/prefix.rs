@@ -19,6 +19,11 @@ pub const PER_LANE: u32 = 4;
 pub const BLOCK: u32 = LANES * PER_LANE;
 /// Lanes of a group: sums over a workgroup are made of sums over groups, in few phases.
 pub const GROUP: u32 = 16;
+/// Phases of every kernel over sums: each lane's own part, the groups' sums, and what it is all for.
+pub const PHASES: u32 = 3;
+
+/// The memory of a workgroup: a word for each lane, and after these one for each group.
+pub type Memory = [u32; (LANES + LANES / GROUP) as usize];
 
 device_struct! {
     /// The parameters of a kernel over blocks. 16 bytes.
@@ -64,7 +69,7 @@ impl Lane {
 }
 
 /// The sum of `count` words from `first` on.
-fn sum<const N: usize>(memory: &[u32; N], first: u32, count: u32) -> u32 {
+fn sum(memory: &Memory, first: u32, count: u32) -> u32 {
     let (mut sum, mut k) = (0, 0);
     while k < count {
         sum += memory[(first + k) as usize];
@@ -74,19 +79,19 @@ fn sum<const N: usize>(memory: &[u32; N], first: u32, count: u32) -> u32 {
 }
 
 /// Puts the sum over each [`GROUP`] lanes of the values in the first [`LANES`] words behind these.
-pub fn sum_groups<const N: usize>(lane: Lane, memory: &mut [u32; N]) {
+pub fn sum_groups(lane: Lane, memory: &mut Memory) {
     if lane.index < LANES / GROUP {
         memory[(LANES + lane.index) as usize] = sum(memory, lane.index * GROUP, GROUP);
     }
 }
 
 /// The sum over all lanes, a phase after [`sum_groups`].
-pub fn sum_of_all<const N: usize>(memory: &[u32; N]) -> u32 {
+pub fn sum_of_all(memory: &Memory) -> u32 {
     sum(memory, LANES, LANES / GROUP)
 }
 
 /// The phases after the first of a kernel that wants the sum of each block, once each lane's part is in the memory.
-pub fn finish_block_sum<const N: usize>(phase: u32, lane: Lane, sums: &mut Scatter<'_, u32>, memory: &mut [u32; N]) {
+pub fn finish_block_sum(phase: u32, lane: Lane, sums: &mut Scatter<'_, u32>, memory: &mut Memory) {
     if phase == 1 {
         sum_groups(lane, memory);
     } else if lane.index == 0 {
@@ -105,13 +110,10 @@ pub fn sum_values(values: &[u32], first: u32, end: u32) -> u32 {
 }
 
 /// The sum over the lanes before this one, a phase after [`sum_groups`].
-pub fn sum_before<const N: usize>(lane: Lane, memory: &[u32; N]) -> u32 {
+pub fn sum_before(lane: Lane, memory: &Memory) -> u32 {
     let group = lane.index / GROUP;
     sum(memory, LANES, group) + sum(memory, group * GROUP, lane.index % GROUP)
 }
-
-/// Phases of [`sum_blocks`].
-pub const SUM_PHASES: u32 = 3;
 
 /// Kernel, in phases: the sum of each block of `values`. Sums must be below 2^32.
 pub fn sum_blocks(
@@ -120,7 +122,7 @@ pub fn sum_blocks(
     params: &BlockParams,
     values: &[u32],
     sums: &mut Scatter<'_, u32>,
-    memory: &mut [u32; 272],
+    memory: &mut Memory,
 ) {
     if phase == 0 {
         // Neighbouring lanes read neighbouring elements.
@@ -139,12 +141,9 @@ pub fn sum_blocks(
     }
 }
 
-/// Phases of [`scan_blocks`].
-pub const SCAN_PHASES: u32 = 3;
-
 /// Kernel, in phases, one workgroup: turns the sums of blocks into the sum of all blocks before each, and puts the sum of all, which must be
 /// below 2^32, after the last.
-pub fn scan_blocks(phase: u32, lane: Lane, params: &BlockParams, sums: &mut Scatter<'_, u32>, memory: &mut [u32; 272]) {
+pub fn scan_blocks(phase: u32, lane: Lane, params: &BlockParams, sums: &mut Scatter<'_, u32>, memory: &mut Memory) {
     // Each lane has a stretch of consecutive blocks.
     let stretch = params.blocks.div_ceil(LANES);
     let first = (lane.index * stretch).min(params.blocks);

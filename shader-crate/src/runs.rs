@@ -8,7 +8,7 @@
 use crate::access::Scatter;
 use crate::device_struct;
 use crate::error_scale::{BlockErrors, is_live, magnitude, quantised};
-use crate::prefix::{BLOCK, LANES, Lane, PER_LANE, finish_block_sum, sum_before, sum_groups, sum_values};
+use crate::prefix::{BLOCK, LANES, Lane, Memory, PER_LANE, finish_block_sum, sum_before, sum_groups, sum_values};
 use crate::wide::{Wide, divide, multiply, multiply_divide};
 
 /// What the weights of all errors add up to, but for rounding.
@@ -79,9 +79,6 @@ impl Weighing {
     }
 }
 
-/// Phases of [`weigh_errors`].
-pub const WEIGH_PHASES: u32 = 3;
-
 /// Kernel, in phases: the weight of each pixel and the sum of each block's. `totals` are [`BlockErrors`] with those of all after the last.
 #[allow(clippy::too_many_arguments)] // one per binding
 pub fn weigh_errors(
@@ -92,7 +89,7 @@ pub fn weigh_errors(
     totals: &[BlockErrors],
     weights: &mut Scatter<'_, u32>,
     sums: &mut Scatter<'_, u32>,
-    memory: &mut [u32; 272],
+    memory: &mut Memory,
 ) {
     if phase == 0 {
         let weighing = Weighing::new(params, &totals[params.blocks as usize]);
@@ -133,9 +130,6 @@ impl Scale {
     }
 }
 
-/// Phases of [`run_starts`].
-pub const START_PHASES: u32 = 3;
-
 /// Kernel, in phases: the first slot of each pixel's run, and after the last the number of slots. `offsets` are the sums of weights before each
 /// block, with that of all after the last.
 #[allow(clippy::too_many_arguments)] // one per binding
@@ -146,7 +140,7 @@ pub fn run_starts(
     weights: &[u32],
     offsets: &[u32],
     starts: &mut Scatter<'_, u32>,
-    memory: &mut [u32; 272],
+    memory: &mut Memory,
 ) {
     let first = lane.first_element().min(params.pixels);
     let end = (first + PER_LANE).min(params.pixels);

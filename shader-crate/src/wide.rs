@@ -104,4 +104,13 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_product_is_that_of_64_bits() {
+        for a in [0, 1, 0xffff, 0x1_0000, 0x8000_0001, 0xdead_beef, u32::MAX] {
+            for b in [0, 1, 3, 0xffff, 0x1_0001, 0x7fff_ffff, u32::MAX] {
+                assert_eq!(number(multiply(a, b)), u64::from(a) * u64::from(b), "{a} * {b}");
+            }
+        }
+    }
 }

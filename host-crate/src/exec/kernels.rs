@@ -41,7 +41,7 @@ pub enum Access {
 macro_rules! kernel_statics {
     ($(
         $(#[$doc:meta])*
-        $name:ident[$workgroup:tt] $(phased($phases:expr, $words:tt))? = $function:path {
+        $name:ident[$workgroup:tt] $(phased($phases:expr, $Memory:ty))? = $function:path {
             uniform $uniform_binding:tt $parameters:ident: $Parameters:ty,
             $(read $read_binding:tt $read:ident: $Read:ty,)*
             $(write $write_binding:tt $written:ident: $Written:ty,)*
@@ -71,7 +71,7 @@ macro_rules! kernel_statics {
                         $(let $scattered = Scatter::<$Scattered>::new(views.next().map_or(&[], NativeBinding::into_atomics));)*
                         $(let $atomic = Atomics::new(views.next().map_or(&[], NativeBinding::into_atomics));)*
                         native_loop! {
-                            [$($phases, $words)?] [$workgroup] $function, $parameters,
+                            [$($phases, $Memory)?] [$workgroup] $function, $parameters,
                             ($($read)*) ($($written)*) ($($scattered)*) ($($atomic)*)
                         }
                     }
@@ -106,11 +106,11 @@ macro_rules! native_loop {
         );
     };
     (
-        [$phases:expr, $words:tt] [$workgroup:tt] $function:path, $parameters:ident,
+        [$phases:expr, $Memory:ty] [$workgroup:tt] $function:path, $parameters:ident,
         ($($read:ident)*) () ($($scattered:ident)*) ()
     ) => {
         (0..$parameters.threads.div_ceil($workgroup)).into_par_iter().for_each(|group| {
-            let mut memory = [0; $words];
+            let mut memory: $Memory = [0; size_of::<$Memory>() / size_of::<u32>()];
             for phase in 0..$phases {
                 for index in 0..$workgroup {
                     let lane = Lane { group, index };

@@ -86,15 +86,11 @@ pub fn compare(
         sum_reference += r;
     }
     let relative_mse = relative.iter().sum::<f64>() / pixels;
-    relative.sort_by(f64::total_cmp);
-    let kept = (relative.len() as f64 * (1.0 - settings.trim)).round_ties_even() as usize;
-    let kept = &relative[..kept.clamp(relative.len().min(1), relative.len())];
-
     let (mean_test, mean_reference) = (mean(sum_test) / pixels, mean(sum_reference) / pixels);
     Ok(Comparison {
         rmse: (mean(squares) / pixels).sqrt(),
         relative_mse,
-        trimmed_relative_mse: kept.iter().sum::<f64>() / kept.len().max(1) as f64,
+        trimmed_relative_mse: trimmed_mean(&mut relative, settings.trim),
         mean_test,
         mean_reference,
         ratio: ratio(mean_test, mean_reference),
@@ -103,6 +99,14 @@ pub fn compare(
         non_finite_reference,
         blocks: compare_blocks(&test, &reference, width, height, settings.block.max(1), mean_reference),
     })
+}
+
+/// The mean of `values` without the largest share `trim` of them, at least one being kept; 0 if there are none. Sorts them.
+pub(crate) fn trimmed_mean(values: &mut [f64], trim: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let kept = (values.len() as f64 * (1.0 - trim)).round_ties_even() as usize;
+    let kept = &values[..kept.clamp(values.len().min(1), values.len())];
+    kept.iter().sum::<f64>() / kept.len().max(1) as f64
 }
 
 pub(super) fn check_sizes(test: &ColorImage, reference: &ColorImage) -> Result<(), ImageError> {
@@ -220,6 +224,13 @@ mod tests {
         assert_eq!(blocks.worst_at, [4, 0]);
         let settings = ComparisonSettings { block: 6, ..Default::default() };
         assert_eq!(compare(&test, &reference, &settings).unwrap().blocks, None);
+    }
+
+    #[test]
+    fn one_value_is_always_kept() {
+        assert_eq!(trimmed_mean(&mut [4.0], 0.999), 4.0);
+        assert_eq!(trimmed_mean(&mut [3.0, 1.0], 0.5), 1.0);
+        assert_eq!(trimmed_mean(&mut [], 0.5), 0.0);
     }
 
     #[test]

@@ -31,6 +31,7 @@ pub(crate) use atomic::replace_file;
 pub use atomic::{check_writable, discard_unfinished};
 pub use color::ColorImage;
 pub use color_map::write_color_map;
+pub(crate) use compare::trimmed_mean;
 pub use compare::{BlockComparison, Comparison, ComparisonSettings, compare};
 pub use difference::difference;
 pub use error::ImageError;

@@ -58,15 +58,15 @@ impl<B> FilmBuffers<B> {
     /// A copy of `film`.
     pub fn from_film<E: Executor<Buffer = B>>(executor: &E, film: &Film) -> Result<Self, ExecError> {
         let (width, height) = (film.width, film.height);
-        let mut buffers = Self::new(executor, FilmSize { width, height })?;
-        for band in &mut buffers.bands {
+        let buffers = Self::new(executor, FilmSize { width, height })?;
+        for band in &buffers.bands {
             let rows = (band.first_rank..band.first_rank + band.film.len() as u32).map(|rank| {
                 let (x, y) = pixel_of_rank(rank, width, height);
                 (y * width + x) as usize
             });
             let (radiance, features): (Vec<_>, Vec<_>) = rows.map(|p| (film.radiance[p], film.features[p])).unzip();
-            band.film = Array::from_slice(executor, "the film", &radiance)?;
-            band.features = Array::from_slice(executor, "the film's features", &features)?;
+            band.film.write(executor, &radiance)?;
+            band.features.write(executor, &features)?;
         }
         Ok(buffers)
     }

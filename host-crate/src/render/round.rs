@@ -65,7 +65,7 @@ impl<'e, E: Executor> Stage<'e, E> {
         Ok((filled, timings))
     }
 
-    /// In one submission where the stream is no longer than a batch.
+    /// Works off a stream, in one submission where it is no longer than a batch, with `prelude` before it.
     fn stream(
         &self,
         allocator: &dyn Allocator<E>,

@@ -56,20 +56,12 @@ pub(super) fn fill_runs<'a, B>(
     starts: impl Fn(&Band<B>) -> View<'a, B>,
     samples: u32,
 ) -> Vec<Launch<'a, B>> {
-    let film = buffers.film;
-    let in_band = film.bands_of(&stream.pixels).map(|(band, pixels)| {
-        Launch::new(
-            &kernels::fill_runs,
-            &RunWindow {
-                threads: pixels.len() as u32,
-                first_rank: band.first_rank + pixels.start,
-                pixels: pixels.len() as u32,
-                samples,
-            },
-            vec![starts(band), band.film.slice(in_usize(&pixels)), buffers.slots.slice(0..stream.slots as usize)],
-        )
-    });
-    in_band.collect()
+    let slots = || buffers.slots.slice(0..stream.slots as usize);
+    windows(buffers.film, stream, samples)
+        .map(|(band, pixels, window)| {
+            Launch::new(&kernels::fill_runs, &window, vec![starts(band), band.film.slice(pixels), slots()])
+        })
+        .collect()
 }
 
 /// Adds the contributions of a stream of runs to the film, likewise.
@@ -79,22 +71,27 @@ pub(super) fn accumulate_runs<'a, B>(
     starts: impl Fn(&Band<B>) -> View<'a, B>,
     samples: u32,
 ) -> Vec<Launch<'a, B>> {
-    let film = buffers.film;
-    let in_band = film.bands_of(&stream.pixels).map(|(band, pixels)| {
-        let threads = pixels.len() as u32;
-        Launch::new(
-            &kernels::accumulate_runs,
-            &RunWindow { threads, first_rank: band.first_rank + pixels.start, pixels: threads, samples },
-            vec![
-                starts(band),
-                buffers.contributions.slice(0..stream.slots as usize),
-                band.film.slice(in_usize(&pixels)),
-            ],
-        )
-    });
-    in_band.collect()
+    let contributions = || buffers.contributions.slice(0..stream.slots as usize);
+    windows(buffers.film, stream, samples)
+        .map(|(band, pixels, window)| {
+            Launch::new(
+                &kernels::accumulate_runs,
+                &window,
+                vec![starts(band), contributions(), band.film.slice(pixels)],
+            )
+        })
+        .collect()
 }
 
-fn in_usize(pixels: &Range<u32>) -> Range<usize> {
-    pixels.start as usize..pixels.end as usize
+/// The bands that have pixels of a stream of runs, these pixels' places there, and what kernels with a lane for each are told.
+fn windows<'a, B>(
+    film: &'a FilmBuffers<B>,
+    stream: &Stream,
+    samples: u32,
+) -> impl Iterator<Item = (&'a Band<B>, Range<usize>, RunWindow)> {
+    film.bands_of(&stream.pixels).map(move |(band, pixels)| {
+        let threads = pixels.len() as u32;
+        let window = RunWindow { threads, first_rank: band.first_rank + pixels.start, pixels: threads, samples };
+        (band, pixels.start as usize..pixels.end as usize, window)
+    })
 }
