@@ -3,7 +3,7 @@
 use super::output::say;
 use crate::exec::ExecError;
 use crate::exec::device::{Device, OpenOptions};
-use crate::render::{BvhQuality, PreparedScene, Sampling, Settings, Techniques};
+use crate::render::{BvhQuality, IntegratorKind, PreparedScene, Sampling, Settings, Techniques};
 use crate::scene::{self, FilmSize, Scene, SceneError};
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
@@ -66,8 +66,8 @@ pub struct SettingsArguments {
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..))]
     rr_depth: Option<u32>,
     /// How to compute a path's contribution.
-    #[arg(long, value_enum, default_value_t = Integrator::Megakernel)]
-    integrator: Integrator,
+    #[arg(long, value_enum, default_value_t)]
+    integrator: IntegratorKind,
     /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there. Details smaller than that cast no
     /// shadow; other renderers take some 1500.
     #[arg(long, default_value_t = OFFSET_ROUNDINGS, value_name = "N", value_parser = parse_ray_offset)]
@@ -84,13 +84,6 @@ enum Sampler {
     Sobol,
     /// Independent random numbers.
     Independent,
-}
-
-/// How to compute a path's contribution.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Integrator {
-    /// One thread walks one path to its end.
-    Megakernel,
 }
 
 /// How carefully to build the BVH.
@@ -110,8 +103,6 @@ impl SettingsArguments {
 
     /// The settings for `scene`.
     pub fn settings(&self, scene: &Scene) -> Settings {
-        // The only one so far; a new one makes this line fail to compile.
-        let Integrator::Megakernel = self.integrator;
         Settings {
             size: self.size.unwrap_or(scene.film),
             seed: self.seed,
@@ -122,6 +113,7 @@ impl SettingsArguments {
             background: Vec3::ZERO,
             ray_offset: self.ray_offset,
             sampling: Sampling::UNIFORM,
+            integrator: self.integrator,
         }
     }
 

@@ -3,8 +3,9 @@
 use super::allocator::{self, Allocator, uniform::Uniform};
 use super::batch::BatchSize;
 use super::estimation::{ComingRound, Estimation, Noise};
+use super::features::first_hits;
 use super::film::FilmBuffers;
-use super::integrator::first_hits;
+use super::integrator;
 use super::round::{Parts, Round, Stage, allocate_stream};
 use super::settings::{Settings, Timings};
 use super::{AllocatorKind, PreparedScene, Sampling, SceneBuffers};
@@ -62,6 +63,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(Self {
             batch: BatchSize::new(slots.len() as u32),
             stage: Stage {
+                integrator: integrator::create(settings.integrator, executor, slots.len() as u32)?,
                 executor,
                 scene: scene_buffers,
                 film,
@@ -116,7 +118,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
     /// each has traced.
     pub fn round(&mut self, samples: u32, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
         let paths = u64::from(samples) * u64::from(self.pixels());
-        let round = Round { paths, salt: 0, errors: &self.no_errors, prelude: Parts::default() };
+        let round = Round { paths, number: self.rounds, salt: 0, errors: &self.no_errors, prelude: Parts::default() };
         let (paths, timings) = self.stage.round(&self.uniform, round, &mut self.batch, after_batch)?;
         self.estimated = false;
         self.rounds += 1;
@@ -130,7 +132,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
         let prelude = self.estimate();
         let paths = ((self.samples_of_round() * f64::from(self.pixels())) as u64).clamp(1, paths_left);
         let salt = hash(self.seed ^ hash(self.rounds));
-        let round = Round { paths, salt, errors: estimation.errors(), prelude };
+        let round = Round { paths, number: self.rounds, salt, errors: estimation.errors(), prelude };
         let mut batch = self.batch;
         let (paths, of_round) = self.stage.round(adaptive.as_ref(), round, &mut batch, after_batch)?;
         timings += of_round;

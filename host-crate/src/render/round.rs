@@ -4,7 +4,7 @@ use super::SceneBuffers;
 use super::allocator::{Allocator, RoundBuffers, Stream};
 use super::batch::BatchSize;
 use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
-use super::integrator::megakernel;
+use super::integrator::{Integrator, StreamBuffers};
 use super::settings::Timings;
 use crate::exec::{Array, ExecError, Executor, Launch};
 use raystream_shaders::film::Contribution;
@@ -22,6 +22,8 @@ pub struct Stage<'e, E: Executor> {
     pub film: FilmBuffers<E::Buffer>,
     /// What is the same for all paths; `threads` is 0.
     pub parameters: PathParams,
+    /// How the stream is traced.
+    pub integrator: Box<dyn Integrator<E>>,
     /// The sample stream.
     pub slots: Array<E::Buffer, Slot>,
     /// What comes of it.
@@ -32,6 +34,8 @@ pub struct Stage<'e, E: Executor> {
 pub struct Round<'a, B> {
     /// Paths to trace.
     pub paths: u64,
+    /// Number of the round, from 0 on.
+    pub number: u32,
     /// A random number of the round.
     pub salt: u32,
     /// The errors by which the allocator goes, see [`RoundBuffers::errors`].
@@ -53,7 +57,8 @@ impl<'e, E: Executor> Stage<'e, E> {
         batch: &mut BatchSize,
         after_batch: &mut dyn FnMut(u32),
     ) -> Result<(u64, Timings), ExecError> {
-        let Round { paths, salt, errors, mut prelude } = round;
+        let Round { paths, number, salt, errors, mut prelude } = round;
+        prelude.add(self.integrator.begin_round(&self.stream_buffers(), number), |timings| &mut timings.tracing);
         let buffers =
             RoundBuffers { film: &self.film, errors, slots: &self.slots, contributions: &self.contributions, salt };
         let mut timings = Timings::default();
@@ -63,6 +68,15 @@ impl<'e, E: Executor> Stage<'e, E> {
             filled += u64::from(allocator.filled(self.executor, &stream)?);
         }
         Ok((filled, timings))
+    }
+
+    fn stream_buffers(&self) -> StreamBuffers<'_, E::Buffer> {
+        StreamBuffers {
+            scene: &self.scene,
+            parameters: &self.parameters,
+            slots: &self.slots,
+            contributions: &self.contributions,
+        }
     }
 
     /// Works off a stream, in one submission where it is no longer than a batch, with `prelude` before it.
@@ -81,10 +95,7 @@ impl<'e, E: Executor> Stage<'e, E> {
         let mut next = 0;
         while next < stream.slots {
             let end = stream.slots.min(next + batch.slots().next_multiple_of(WINDOW_ALIGNMENT));
-            let slots = next as usize..end as usize;
-            let parameters = PathParams { threads: end - next, ..self.parameters };
-            let launch = megakernel(&self.scene, &parameters, &self.slots, &self.contributions, slots);
-            parts.add(vec![launch], |timings| &mut timings.tracing);
+            parts.add(self.integrator.trace(&self.stream_buffers(), next..end), |timings| &mut timings.tracing);
             if end == stream.slots {
                 parts.add(allocator.accumulate(buffers, stream), |timings| &mut timings.accumulation);
             }

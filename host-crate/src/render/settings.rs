@@ -3,6 +3,7 @@
 use super::camera::camera;
 use super::{PreparedScene, Sampling};
 use crate::scene::FilmSize;
+use clap::ValueEnum;
 use glam::Vec3;
 use raystream_shaders::path::{self, PathParams};
 use raystream_shaders::sampler;
@@ -31,6 +32,16 @@ pub struct Settings {
     pub ray_offset: f32,
     /// Which pixels get how many samples.
     pub sampling: Sampling,
+    /// How paths are computed.
+    pub integrator: IntegratorKind,
+}
+
+/// How a path's contribution is computed; see [`crate::render::integrator`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, ValueEnum)]
+pub enum IntegratorKind {
+    /// One thread walks one path to its end.
+    #[default]
+    Megakernel,
 }
 
 /// How light is looked for. All are unbiased where every technique can find all light; they differ in noise.

@@ -1,5 +1,6 @@
 //! What a reference picture is a picture of, so that a stored one is taken for no other.
 
+use super::configuration::value_name;
 use crate::exec::gpu::SPIRV;
 use crate::image::LayeredImage;
 use crate::render::{Settings, Techniques};
@@ -31,6 +32,7 @@ impl Identity {
             pair("techniques", techniques.into()),
             pair("background", settings.background.to_string()),
             pair("ray_offset", settings.ray_offset.to_string()),
+            pair("integrator", value_name(&settings.integrator)),
         ])
     }
 
@@ -87,7 +89,7 @@ fn hex(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Sampling;
+    use crate::render::{IntegratorKind, Sampling};
     use crate::scene::{FilmSize, embedded};
     use glam::Vec3;
 
@@ -102,6 +104,7 @@ mod tests {
             background: Vec3::ZERO,
             ray_offset: 4.0,
             sampling: Sampling::UNIFORM,
+            integrator: IntegratorKind::Megakernel,
         }
     }
 

@@ -1,37 +1,11 @@
-//! Integrators: how the contributions of a stream's slots are computed.
+//! Camera rays for the first-hit features of pixels.
 
 use super::SceneBuffers;
 use super::film::Band;
-use crate::exec::{Array, Launch, kernels};
+use crate::exec::{Launch, kernels};
 use raystream_shaders::features::FeatureParams;
-use raystream_shaders::film::Contribution;
 use raystream_shaders::path::PathParams;
-use raystream_shaders::stream::Slot;
 use std::ops::Range;
-
-/// The integrator `megakernel`: one thread walks one path to its end. Traces the slots of `part`.
-pub fn megakernel<'a, B>(
-    scene: &'a SceneBuffers<B>,
-    parameters: &PathParams,
-    slots: &'a Array<B, Slot>,
-    contributions: &'a Array<B, Contribution>,
-    part: Range<usize>,
-) -> Launch<'a, B> {
-    Launch::new(
-        &kernels::trace_paths,
-        parameters,
-        vec![
-            slots.slice(part.clone()),
-            scene.nodes.view(),
-            scene.triangles.view(),
-            scene.attributes.view(),
-            scene.materials.view(),
-            scene.lights.view(),
-            scene.texels.view(),
-            contributions.slice(part),
-        ],
-    )
-}
 
 /// Camera rays for the first-hit features of the pixels of a window, until each has `samples`.
 pub fn first_hits<'a, B>(

@@ -1,0 +1,30 @@
+//! The integrator `megakernel`: one thread walks one path to its end.
+
+use super::{Integrator, StreamBuffers};
+use crate::exec::{Executor, Launch, kernels};
+use raystream_shaders::path::PathParams;
+use std::ops::Range;
+
+/// See the [module](self). It needs no memory of its own.
+pub struct Megakernel;
+
+impl<E: Executor> Integrator<E> for Megakernel {
+    fn trace<'a>(&'a self, stream: &StreamBuffers<'a, E::Buffer>, part: Range<u32>) -> Vec<Launch<'a, E::Buffer>> {
+        let slots = part.start as usize..part.end as usize;
+        let scene = stream.scene;
+        vec![Launch::new(
+            &kernels::trace_paths,
+            &PathParams { threads: part.end - part.start, ..*stream.parameters },
+            vec![
+                stream.slots.slice(slots.clone()),
+                scene.nodes.view(),
+                scene.triangles.view(),
+                scene.attributes.view(),
+                scene.materials.view(),
+                scene.lights.view(),
+                scene.texels.view(),
+                stream.contributions.slice(slots),
+            ],
+        )]
+    }
+}

@@ -1,0 +1,52 @@
+//! Integrators: how the contributions of a stream's slots are computed.
+//!
+//! | name | what it is |
+//! |---|---|
+//! | [`megakernel`] | one thread walks one path to its end |
+
+pub mod megakernel;
+
+use super::{IntegratorKind, SceneBuffers};
+use crate::exec::{Array, ExecError, Executor, Launch};
+use raystream_shaders::film::Contribution;
+use raystream_shaders::path::PathParams;
+use raystream_shaders::stream::Slot;
+use std::ops::Range;
+
+/// Turns slots into contributions.
+///
+/// The contribution of a slot depends on the slot (pixel and sample number) and on the scene, not on the lane that computes it nor on the other
+/// slots; that of an empty slot ([`NO_PIXEL`](raystream_shaders::stream::NO_PIXEL)) is [`Contribution::NOTHING`].
+pub trait Integrator<E: Executor> {
+    /// Launches that must come before a round's paths are traced.
+    fn begin_round<'a>(&'a self, _stream: &StreamBuffers<'a, E::Buffer>, _round: u32) -> Vec<Launch<'a, E::Buffer>> {
+        Vec::new()
+    }
+
+    /// Launches that compute the contributions of the slots of `part`, which begins at a multiple of
+    /// [`WINDOW_ALIGNMENT`](super::film::WINDOW_ALIGNMENT) and is not empty.
+    fn trace<'a>(&'a self, stream: &StreamBuffers<'a, E::Buffer>, part: Range<u32>) -> Vec<Launch<'a, E::Buffer>>;
+}
+
+/// What integrators work on.
+pub struct StreamBuffers<'a, B> {
+    /// The scene.
+    pub scene: &'a SceneBuffers<B>,
+    /// What is the same for all paths; `threads` is 0.
+    pub parameters: &'a PathParams,
+    /// The stream.
+    pub slots: &'a Array<B, Slot>,
+    /// What comes of it, an element for each slot.
+    pub contributions: &'a Array<B, Contribution>,
+}
+
+/// A new integrator for streams of at most `capacity` slots; it asks for memory only as far as it needs it.
+pub fn create<E: Executor>(
+    kind: IntegratorKind,
+    _executor: &E,
+    _capacity: u32,
+) -> Result<Box<dyn Integrator<E>>, ExecError> {
+    Ok(match kind {
+        IntegratorKind::Megakernel => Box::new(megakernel::Megakernel),
+    })
+}
