@@ -7,11 +7,68 @@
 //! On the GPU both are plain slices. On the CPU they are atomics with relaxed order, so that lanes may run on any
 //! thread and a mistake would be a wrong number, not undefined behaviour.
 
+//!
+//! # Bounds
+//!
+//! On the CPU every index is checked. On the GPU none is, since checks cost the traversal a sixth of its speed: all indexing of buffers goes through
+//! this file, and the host answers for what kernels find there ("Bounds" in ARCHITECTURE.md). `cargo shaders --bounds-checks`
+//! compiles kernels that check, and end the thread that is wrong.
+
 #[cfg(not(target_arch = "spirv"))]
 use core::{
     marker::PhantomData,
     sync::atomic::{AtomicU32, Ordering::Relaxed},
 };
+
+#[cfg(all(target_arch = "spirv", not(feature = "bounds-checks")))]
+use spirv_std::arch::IndexUnchecked as _;
+
+/// Element `index` of a buffer.
+#[inline(always)]
+pub fn at<T: Copy>(elements: &[T], index: u32) -> T {
+    *at_ref(elements, index)
+}
+
+#[inline(always)]
+fn at_ref<T>(elements: &[T], index: u32) -> &T {
+    #[cfg(any(not(target_arch = "spirv"), feature = "bounds-checks"))]
+    return &elements[index as usize];
+    #[cfg(all(target_arch = "spirv", not(feature = "bounds-checks")))]
+    // SAFETY: see the module's passage on bounds.
+    return unsafe { elements.index_unchecked(index as usize) };
+}
+
+/// Element `index` of a buffer, to be changed.
+#[inline(always)]
+pub fn at_mut<T>(elements: &mut [T], index: u32) -> &mut T {
+    #[cfg(any(not(target_arch = "spirv"), feature = "bounds-checks"))]
+    return &mut elements[index as usize];
+    #[cfg(all(target_arch = "spirv", not(feature = "bounds-checks")))]
+    // SAFETY: see the module's passage on bounds.
+    return unsafe { elements.index_unchecked_mut(index as usize) };
+}
+
+/// An array of a lane's own, of which it reads nothing that it has not written. On the GPU it is not cleared, which for a traversal's stack would be
+/// as much work as some rays are.
+#[inline(always)]
+pub fn scratch<T: Copy + Default, const N: usize>() -> [T; N] {
+    #[cfg(not(target_arch = "spirv"))]
+    return [T::default(); N];
+    #[cfg(target_arch = "spirv")]
+    // SAFETY: SPIR-V's undefined values are values, and nobody looks at them.
+    #[allow(clippy::uninit_assumed_init)]
+    return unsafe { core::mem::MaybeUninit::uninit().assume_init() };
+}
+
+/// Element `index` of an array of a lane's own.
+#[inline(always)]
+pub fn local_mut<T, const N: usize>(elements: &mut [T; N], index: usize) -> &mut T {
+    #[cfg(any(not(target_arch = "spirv"), feature = "bounds-checks"))]
+    return &mut elements[index];
+    #[cfg(all(target_arch = "spirv", not(feature = "bounds-checks")))]
+    // SAFETY: see the module's passage on bounds.
+    return unsafe { elements.index_unchecked_mut(index) };
+}
 
 /// What can lie in a buffer: whole words without padding.
 #[cfg(not(target_arch = "spirv"))]
@@ -79,12 +136,12 @@ impl<'a, T: Element> Scatter<'a, T> {
 
     /// Element `index`.
     pub fn get(&self, index: u32) -> T {
-        self.elements[index as usize]
+        at(self.elements, index)
     }
 
     /// Replaces element `index`.
     pub fn set(&mut self, index: u32, value: T) {
-        self.elements[index as usize] = value;
+        *at_mut(self.elements, index) = value;
     }
 }
 
@@ -128,7 +185,7 @@ pub struct Atomics<'a> {
 
 #[cfg(target_arch = "spirv")]
 mod atomics {
-    use super::Atomics;
+    use super::{Atomics, at_mut, at_ref};
     use spirv_std::arch::{atomic_compare_exchange, atomic_i_add, atomic_load};
     use spirv_std::memory::{Scope, Semantics};
 
@@ -143,19 +200,17 @@ mod atomics {
 
         /// Adds to a word, modulo 2^32; what was there before.
         pub fn add(&mut self, index: u32, value: u32) -> u32 {
-            unsafe { atomic_i_add::<u32, SCOPE, RELAXED>(&mut self.words[index as usize], value) }
+            unsafe { atomic_i_add::<u32, SCOPE, RELAXED>(at_mut(self.words, index), value) }
         }
 
         /// The word `index`, as it is at some time during the call.
         pub fn load(&self, index: u32) -> u32 {
-            unsafe { atomic_load::<u32, SCOPE, RELAXED>(&self.words[index as usize]) }
+            unsafe { atomic_load::<u32, SCOPE, RELAXED>(at_ref(self.words, index)) }
         }
 
         /// Replaces a word by `new` if it is `expected`; what was there before.
         pub fn replace(&mut self, index: u32, expected: u32, new: u32) -> u32 {
-            unsafe {
-                atomic_compare_exchange::<u32, SCOPE, RELAXED, RELAXED>(&mut self.words[index as usize], new, expected)
-            }
+            unsafe { atomic_compare_exchange::<u32, SCOPE, RELAXED, RELAXED>(at_mut(self.words, index), new, expected) }
         }
     }
 }

@@ -5,9 +5,9 @@
 //! is not the same on every device, nor twice on one. The numbers of samples are: they are the lengths of [runs](crate::runs)
 //! without a uniform share and without a random phase.
 
-use crate::access::{Atomics, Scatter};
-use crate::film::{Contribution, FilmPixel};
-use crate::glam::Vec3;
+use crate::access::{Atomics, Scatter, at};
+use crate::film::{ContributionView, FilmPixel};
+use crate::glam::{UVec4, Vec3};
 use crate::stream::{RunWindow, Runs, Slot};
 
 /// Kernel: zeroes the counter of slots.
@@ -34,22 +34,22 @@ pub fn fill_reserved(
     film: &[FilmPixel],
     slots: &mut Scatter<'_, Slot>,
 ) {
-    if lane < starts[0] || lane >= starts[window.pixels as usize] {
+    if lane < at(starts, 0) || lane >= at(starts, window.pixels) {
         return;
     }
     // The last pixel whose run does not begin after the slot; runs before it may be empty.
     let (mut pixel, mut end) = (0, window.pixels);
     while end - pixel > 1 {
         let middle = (pixel + end) / 2;
-        if starts[middle as usize] <= lane {
+        if at(starts, middle) <= lane {
             pixel = middle;
         } else {
             end = middle;
         }
     }
-    let k = lane - starts[pixel as usize];
-    let slot = Slot { rank: window.first_rank + pixel, sample: film[pixel as usize].samples + k };
-    slots.set(reserved[pixel as usize] + k, slot);
+    let k = lane - at(starts, pixel);
+    let slot = Slot { rank: window.first_rank + pixel, sample: at(film, pixel).samples + k };
+    slots.set(at(reserved, pixel) + k, slot);
 }
 
 /// Words of a [`FilmPixel`].
@@ -64,20 +64,21 @@ pub fn accumulate_atomic(
     lane: u32,
     window: &RunWindow,
     slots: &[Slot],
-    contributions: &[Contribution],
+    contributions: &[UVec4],
     film: &mut Atomics<'_>,
 ) {
+    let contributions = ContributionView::new(contributions);
     let mut slot = lane * STRETCH;
     let end = (slot + STRETCH).min(slots.len() as u32);
     while slot < end {
-        let rank = slots[slot as usize].rank;
+        let rank = at(slots, slot).rank;
         let mut sums =
             FilmPixel { sum: Vec3::ZERO, samples: 0, sum_of_squares: Vec3::ZERO, rays: 0, odd_sum: Vec3::ZERO, pad: 0 };
         // The parity of sample numbers is that of the film's count.
-        let first = slots[slot as usize].sample;
+        let first = at(slots, slot).sample;
         sums.samples = first & 1;
-        while slot < end && slots[slot as usize].rank == rank {
-            sums.add(&contributions[slot as usize]);
+        while slot < end && at(slots, slot).rank == rank {
+            sums.add(&contributions.get(slot));
             slot += 1;
         }
         sums.samples -= first & 1;

@@ -14,6 +14,7 @@
 //! child still to visit, k its place in the order in which this ray's octant visits children, nearest highest. A **triangle group** is (first
 //! triangle, a bit for each triangle still to test).
 
+use crate::access::{at, local_mut};
 use crate::glam::{UVec2, UVec4, Vec3, Vec4};
 use crate::ray::{Hit, Ray};
 use crate::triangle::TriangleView;
@@ -64,8 +65,8 @@ impl<'a> BvhView<'a> {
     fn traverse<const ANY_HIT: bool>(&self, ray: &Ray) -> Hit {
         let local = BoxRay::new(ray);
         let mut hit = Hit::miss(ray.t_max);
-        let mut stack = [UVec2::ZERO; MAX_DEPTH as usize];
-        let mut stacked = 0_usize;
+        let mut stack: [UVec2; MAX_DEPTH as usize] = crate::access::scratch();
+        let mut stacked = 0;
         // As if the root were the only child of a node above it.
         let mut group = UVec2::new(0, 0x8000_0000);
         loop {
@@ -73,7 +74,7 @@ impl<'a> BvhView<'a> {
             let inner_mask = group.y;
             group.y &= !(1 << place);
             if group.y & PENDING != 0 {
-                stack[stacked] = group;
+                *local_mut(&mut stack, stacked) = group;
                 stacked += 1;
             }
             let slot = (place ^ local.octant) & 7;
@@ -91,7 +92,10 @@ impl<'a> BvhView<'a> {
                 if t > 0.0 && t < hit.t {
                     hit = Hit { t, u, v, triangle: index };
                     if ANY_HIT {
-                        return hit;
+                        // Nothing is left to do. (To return from here, out of two loops, costs the GPU more.)
+                        triangles = 0;
+                        group.y = 0;
+                        stacked = 0;
                     }
                 }
             }
@@ -101,20 +105,14 @@ impl<'a> BvhView<'a> {
                     return hit;
                 }
                 stacked -= 1;
-                group = stack[stacked];
+                group = *local_mut(&mut stack, stacked);
             }
         }
     }
 
     fn node(&self, index: u32) -> Node {
-        let first = (index * ROWS_PER_NODE) as usize;
-        Node {
-            grid: self.nodes[first],
-            children: self.nodes[first + 1],
-            x: self.nodes[first + 2],
-            y: self.nodes[first + 3],
-            z: self.nodes[first + 4],
-        }
+        let row = |number| at(self.nodes, index * ROWS_PER_NODE + number);
+        Node { grid: row(0), children: row(1), x: row(2), y: row(3), z: row(4) }
     }
 }
 
@@ -203,30 +201,27 @@ impl BoxRay {
                 .min(plane(far[2], scale.z, offset.z))
                 .min(Vec4::splat(t_max))
                 * WIDEN;
-            enter.cmple(leave).bitmask()
+            (enter, leave)
         };
-        let boxes = entered([x.x, y.x, z.x], [x.z, y.z, z.z]) | entered([x.y, y.y, z.y], [x.w, y.w, z.w]) << 4;
-
-        let inner = node.inner_mask();
-        let mut hits = self.place_slots(boxes & inner) << 24;
-        let mut leaves = boxes & !inner;
-        while leaves != 0 {
-            let slot = leaves.trailing_zeros();
-            leaves &= leaves - 1;
-            let word = if slot < 4 { node.children.z } else { node.children.w };
-            // Three upper bits: as many ones as triangles; the others: where the first of them stands. An empty slot is zero.
-            let meta = word >> ((slot & 3) * 8) & 0xff;
-            hits |= (meta >> 5) << (meta & 0x1f);
-        }
-        hits
+        let meta = [node.children.z, node.children.w];
+        self.place(meta[0], entered([x.x, y.x, z.x], [x.z, y.z, z.z]))
+            | self.place(meta[1], entered([x.y, y.y, z.y], [x.w, y.w, z.w]))
     }
 
-    /// Moves bit k of an 8-bit mask to bit `k ^ octant`.
-    fn place_slots(&self, mask: u32) -> u32 {
-        let swap = |mask: u32, bit: u32, low: u32| {
-            if self.octant & bit != 0 { (mask & low) << bit | mask >> bit & low } else { mask }
+    /// The bits of four children, of those that are entered (`enter <= leave`).
+    ///
+    /// `meta` has a byte for each. Of a leaf its upper three bits are as many ones as it has triangles, and the lower five say where the
+    /// first of them stands; an inner child has a single one and stands at 24 + its slot; an empty slot is zero.
+    #[inline(always)]
+    fn place(&self, meta: u32, (enter, leave): (Vec4, Vec4)) -> u32 {
+        let inner = (meta & meta << 1) >> 4 & 0x0101_0101;
+        // Inner children move to their place in this ray's order.
+        let places = meta ^ (inner * self.octant);
+        let bits = |child: u32, enter: f32, leave: f32| {
+            let byte = meta >> (8 * child);
+            if enter <= leave { (byte >> 5 & 7) << (places >> (8 * child) & 0x1f) } else { 0 }
         };
-        swap(swap(swap(mask, 1, 0x55), 2, 0x33), 4, 0x0f)
+        bits(0, enter.x, leave.x) | bits(1, enter.y, leave.y) | bits(2, enter.z, leave.z) | bits(3, enter.w, leave.w)
     }
 }
 

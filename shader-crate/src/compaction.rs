@@ -3,7 +3,7 @@
 //! Reduce ([`sum_blocks`](crate::prefix::sum_blocks) over the flags), scan ([`scan_blocks`](crate::prefix::scan_blocks)), scatter
 //! ([`scatter_kept`]): Billeter, Olsson, Assarsson, "Efficient Stream Compaction on Wide SIMD Many-Core Architectures", HPG 2009.
 
-use crate::access::Scatter;
+use crate::access::{Scatter, at};
 use crate::prefix::{BlockParams, Lane, Memory, PER_LANE, sum_before, sum_groups, sum_values};
 
 /// Kernel, in phases: writes the indices of all elements whose flag in `keep` is 1 (the others' is 0) to `kept`, in order. `offsets` are the
@@ -24,10 +24,10 @@ pub fn scatter_kept(
     } else if phase == 1 {
         sum_groups(lane, memory);
     } else {
-        let mut place = offsets[lane.group as usize] + sum_before(lane, memory);
+        let mut place = at(offsets, lane.group) + sum_before(lane, memory);
         let mut element = first;
         while element < end {
-            if keep[element as usize] == 1 {
+            if at(keep, element) == 1 {
                 kept.set(place, element);
                 place += 1;
             }

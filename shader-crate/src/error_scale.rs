@@ -4,7 +4,7 @@
 //! no samples. Relative to the largest, errors become integers of 31 bits by shifting their mantissas: no float
 //! is computed with.
 
-use crate::access::Scatter;
+use crate::access::{Scatter, at};
 use crate::device_struct;
 use crate::prefix::{BLOCK, BlockParams, GROUP, LANES, Lane};
 use crate::wide::Wide;
@@ -60,7 +60,7 @@ pub fn block_errors(
     if phase == 0 {
         let mut seen = BlockErrors::NOTHING;
         while element < end {
-            let error = errors[element as usize];
+            let error = at(errors, element);
             seen.exponent = seen.exponent.max(magnitude(error) >> 23);
             seen.live += is_live(error) as u32;
             element += LANES;
@@ -70,7 +70,7 @@ pub fn block_errors(
         let exponent = exponent_of_all(memory).exponent;
         let mut sum = Wide::ZERO;
         while element < end {
-            sum = sum.plus(Wide { high: 0, low: quantised(magnitude(errors[element as usize]), exponent) });
+            sum = sum.plus(Wide { high: 0, low: quantised(magnitude(at(errors, element)), exponent) });
             element += LANES;
         }
         store_sum(memory, lane.index, sum);

@@ -3,6 +3,7 @@
 //! An estimator gives an [`Estimate`]: a picture, and the squared error of the measured one. [`ErrorForm::of`] turns it into the number that
 //! allocators go by. The estimator `bilateral` is in [`crate::filter`]; `halves` and `variance` are here.
 
+use crate::access::at;
 use crate::device_struct;
 use crate::glam::Vec3;
 use crate::guide::Guide;
@@ -110,7 +111,7 @@ device_struct! {
 /// neighbours are likely to have found it.
 pub fn noise_errors(lane: u32, params: &NoiseParams, guides: &[Guide], estimate: &mut Estimate, error: &mut f32) {
     let rank = params.first_rank + lane;
-    let guide = guides[rank as usize];
+    let guide = at(guides, rank);
     *estimate = Estimate { filtered: guide.color, squared_error: 0.0 };
     *error = 0.0;
     if guide.is_measured() {
@@ -131,7 +132,7 @@ fn smoothed_variance(params: &NoiseParams, guides: &[Guide], rank: u32) -> f32 {
     while row <= bottom {
         let mut column = x - x.min(1);
         while column <= right {
-            let guide = guides[rank_of_pixel(column, row, params.width, params.height) as usize];
+            let guide = at(guides, rank_of_pixel(column, row, params.width, params.height));
             if guide.is_measured() {
                 let weight = along(column == x) * along(row == y);
                 sum += weight * guide.variance;
@@ -177,13 +178,13 @@ pub fn total_errors(lane: u32, params: &TotalParams, estimates: &[Estimate], err
     let (mut relative, mut radiance, mut unconverged) = (0.0, 0.0, 0);
     let mut pixel = lane;
     while pixel < params.pixels {
-        let estimate = estimates[pixel as usize];
+        let estimate = at(estimates, pixel);
         let error = relative_error(estimate.filtered, estimate.squared_error, params.mean_radiance);
         if is_finite(error) {
             relative += error;
         }
         radiance += estimate.filtered.dot(Vec3::ONE) * (1.0 / 3.0);
-        if errors[pixel as usize] > 0.0 {
+        if at(errors, pixel) > 0.0 {
             unconverged += 1;
         }
         pixel += params.threads;

@@ -5,6 +5,7 @@
 //! shadow's for one; there the filter blurs what is right, and takes the pixels of the edge for wrong, for ever. A fifth factor, which can be
 //! switched off, looks at the colours themselves: what two pixels differ by beyond their noise is real. See `Centre::color_exponent`.
 
+use crate::access::at;
 use crate::device_struct;
 use crate::estimate::{ErrorForm, Estimate};
 use crate::glam::Vec3;
@@ -66,7 +67,7 @@ device_struct! {
 /// the colour term on, that part is made up for by the variance, so that thin things do not look free of noise.
 pub fn filter_errors(lane: u32, params: &FilterParams, guides: &[Guide], estimate: &mut Estimate, error: &mut f32) {
     let rank = params.first_rank + lane;
-    let guide = guides[rank as usize];
+    let guide = at(guides, rank);
     *estimate = Estimate { filtered: Vec3::ZERO, squared_error: 0.0 };
     *error = 0.0;
     if guide.is_measured() {
@@ -92,7 +93,7 @@ struct Filtered {
 
 /// Filters the pixel of rank `rank`, which is measured.
 fn filter(params: &FilterParams, guides: &[Guide], rank: u32) -> Filtered {
-    let guide = guides[rank as usize];
+    let guide = at(guides, rank);
     let centre = Centre::new(params, &guide);
     let (x, y) = pixel_of_rank(rank, params.width, params.height);
     let right = (x + params.radius).min(params.width - 1);
@@ -110,7 +111,7 @@ fn filter(params: &FilterParams, guides: &[Guide], rank: u32) -> Filtered {
             if tap_rank == rank {
                 continue;
             }
-            let tap = guides[tap_rank as usize];
+            let tap = at(guides, tap_rank);
             let exponent = centre.exponent(&tap, (dx * dx + dy * dy) as f32);
             // False for NaN as well.
             if exponent < LARGEST_EXPONENT {

@@ -1,5 +1,6 @@
 //! Guides: what the estimators ask of a pixel, in 48 bytes, so that looking at a neighbour is one short read.
 
+use crate::access::at;
 use crate::device_struct;
 use crate::features::FeaturePixel;
 use crate::film::FilmPixel;
@@ -72,7 +73,7 @@ impl Guide {
 
 /// Kernel: the guide of the pixel `lane` of a band, of its film and features.
 pub fn make_guides(lane: u32, params: &GuideParams, film: &[FilmPixel], features: &[FeaturePixel], guide: &mut Guide) {
-    *guide = guide_of(&film[lane as usize], &features[lane as usize], params.spread);
+    *guide = guide_of(&at(film, lane), &at(features, lane), params.spread);
 }
 
 /// The guide of one pixel.

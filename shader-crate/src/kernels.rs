@@ -31,7 +31,7 @@ macro_rules! for_each_kernel {
     ($with:ident) => {
         $with! {
             /// Fills the runs of a window of pixels.
-            fill_runs[64] = $crate::stream::fill_runs {
+            fill_runs[256] phased($crate::stream::PHASES, $crate::stream::Memory) = $crate::stream::fill_runs {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 starts: u32,
                 read 2 film: $crate::film::FilmPixel,
@@ -58,7 +58,7 @@ macro_rules! for_each_kernel {
             accumulate_runs[64] = $crate::film::accumulate_runs {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 starts: u32,
-                read 2 contributions: $crate::film::Contribution,
+                read 2 contributions: $crate::glam::UVec4,
                 write 3 film: $crate::film::FilmPixel,
             }
             /// Traces camera rays for the features that pixels lack.
@@ -145,7 +145,7 @@ macro_rules! for_each_kernel {
             accumulate_atomic[64] = $crate::atomic::accumulate_atomic {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 slots: $crate::stream::Slot,
-                read 2 contributions: $crate::film::Contribution,
+                read 2 contributions: $crate::glam::UVec4,
                 atomic 3 film,
             }
             /// Copies the film's sample counts.
@@ -186,7 +186,7 @@ macro_rules! for_each_kernel {
                 uniform 0 parameters: $crate::paper::PaperParams,
                 read 1 states: $crate::paper::PaperState,
                 read 2 slots: $crate::stream::Slot,
-                read 3 contributions: $crate::film::Contribution,
+                read 3 contributions: $crate::glam::UVec4,
                 scatter 4 film: $crate::film::FilmPixel,
             }
             /// Makes the rays through pixel centres.
@@ -263,7 +263,7 @@ macro_rules! for_each_kernel {
 /// The entry points of the SPIR-V module.
 #[cfg(target_arch = "spirv")]
 pub mod entry_points {
-    use crate::access::{Atomics, Scatter};
+    use crate::access::{Atomics, Scatter, at_mut};
     use crate::glam::UVec3;
     use crate::prefix::Lane;
     use spirv_std::arch::workgroup_memory_barrier_with_group_sync;
@@ -318,7 +318,7 @@ pub mod entry_points {
                         lane,
                         $parameters,
                         $($read,)*
-                        $(&mut $written[lane as usize],)*
+                        $(at_mut($written, lane),)*
                         $(&mut Scatter::new($scattered),)*
                         $(&mut Atomics::new($atomic),)*
                     );

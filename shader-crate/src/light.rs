@@ -1,5 +1,6 @@
 //! Emissive triangles, chosen by power.
 
+use crate::access::at;
 use crate::device_struct;
 use crate::glam::Vec3;
 use crate::math::triangle_normal;
@@ -73,7 +74,7 @@ impl<'a> LightView<'a> {
     /// A light, chosen by power with 32 random `bits`: Walker's alias method in integers.
     pub fn choose(&self, bits: u32) -> u32 {
         let Wide { high: column, low: fraction } = multiply(bits, self.count);
-        let light = &self.lights[column as usize];
+        let light = at(self.lights, column);
         if fraction >> 8 < light.threshold { column } else { light.alias }
     }
 
@@ -81,7 +82,7 @@ impl<'a> LightView<'a> {
     ///
     /// Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
     pub fn sample(&self, index: u32, u: [f32; 2]) -> LightPoint {
-        let light = self.lights[index as usize];
+        let light = at(self.lights, index);
         let (a, b) = if u[1] > u[0] {
             let a = 0.5 * u[0];
             (a, u[1] - a)

@@ -9,10 +9,11 @@
 //!
 //! All in integers (see [`crate::error_scale`]), all decided on the device.
 
-use crate::access::Scatter;
+use crate::access::{Scatter, at};
 use crate::device_struct;
 use crate::error_scale::{BlockErrors, is_live, magnitude, quantised};
-use crate::film::{Contribution, FilmPixel};
+use crate::film::{ContributionView, FilmPixel};
+use crate::glam::UVec4;
 use crate::sampler::hash;
 use crate::stream::Slot;
 use crate::wide::{Wide, divide, multiply};
@@ -82,9 +83,9 @@ pub fn paper_select(
     states: &[PaperState],
     keep: &mut u32,
 ) {
-    let all = totals[params.blocks as usize];
-    let error = errors[lane as usize];
-    let state = states[params.stream as usize];
+    let all = at(totals, params.blocks);
+    let error = at(errors, lane);
+    let state = at(states, params.stream);
     if state.filled == params.slots {
         *keep = 0;
     } else if all.exponent == 0 || params.stream == STREAMS - 1 {
@@ -100,7 +101,7 @@ pub fn paper_select(
 pub fn paper_decide(_: u32, params: &PaperParams, offsets: &[u32], states: &mut Scatter<'_, PaperState>) {
     let mut state = states.get(params.stream);
     let room = params.slots - state.filled;
-    state.wanted = offsets[params.blocks as usize];
+    state.wanted = at(offsets, params.blocks);
     let is_thinned = params.stream >= BISECTIONS;
     state.taken = if is_thinned || state.wanted <= room { state.wanted.min(room) } else { 0 };
     states.set(params.stream, state);
@@ -128,7 +129,7 @@ pub fn paper_append(
     counts: &mut Scatter<'_, u32>,
     slots: &mut Scatter<'_, Slot>,
 ) {
-    let state = states[params.stream as usize];
+    let state = at(states, params.stream);
     if lane >= state.wanted || state.taken == 0 {
         return;
     }
@@ -137,7 +138,7 @@ pub fn paper_append(
     let before = |count| divide(multiply(count, state.taken).plus(Wide { high: 0, low: offset }), state.wanted);
     let place = before(lane);
     if before(lane + 1) > place {
-        let rank = kept[lane as usize];
+        let rank = at(kept, lane);
         let sample = counts.get(rank);
         counts.set(rank, sample + 1);
         slots.set(state.filled + place, Slot { rank, sample });
@@ -150,23 +151,23 @@ pub fn paper_accumulate(
     params: &PaperParams,
     states: &[PaperState],
     slots: &[Slot],
-    contributions: &[Contribution],
+    contributions: &[UVec4],
     film: &mut Scatter<'_, FilmPixel>,
 ) {
-    let state = states[params.stream as usize];
+    let state = at(states, params.stream);
     if lane >= state.taken {
         return;
     }
-    let place = (state.filled + lane) as usize;
-    let pixel = slots[place].rank.wrapping_sub(params.first_rank);
+    let place = state.filled + lane;
+    let pixel = at(slots, place).rank.wrapping_sub(params.first_rank);
     if pixel < params.film_pixels {
         let mut sums = film.get(pixel);
-        sums.add(&contributions[place]);
+        sums.add(&ContributionView::new(contributions).get(place));
         film.set(pixel, sums);
     }
 }
 
 /// Kernel: the samples of pixel `lane` of a film.
 pub fn copy_counts(lane: u32, _: &PaperParams, film: &[FilmPixel], count: &mut u32) {
-    *count = film[lane as usize].samples;
+    *count = at(film, lane).samples;
 }

@@ -4,6 +4,7 @@
 //! direction is sampled from the BSDF; where both could have found the same light, the power heuristic weighs them (Veach
 //! 1997, chapter 9).
 
+use crate::access::at;
 use crate::bvh::BvhView;
 use crate::camera::Camera;
 use crate::device_struct;
@@ -79,7 +80,7 @@ pub fn trace_paths(
         offset_roundings: params.offset_roundings,
         textures: TextureView::new(texels),
     };
-    let slot = slots[lane as usize];
+    let slot = at(slots, lane);
     *contribution = if slot.rank == NO_PIXEL {
         Contribution::NOTHING
     } else {

@@ -8,7 +8,7 @@
 //! Lanes of a workgroup cooperate in **phases**. Each phase runs for all lanes, with a barrier after it; what a lane hands on to the
 //! next phase or to other lanes lies in the workgroup's memory. Within a phase no lane reads what another writes.
 
-use crate::access::Scatter;
+use crate::access::{Scatter, at};
 use crate::device_struct;
 
 /// Lanes of a workgroup.
@@ -103,7 +103,7 @@ pub fn finish_block_sum(phase: u32, lane: Lane, sums: &mut Scatter<'_, u32>, mem
 pub fn sum_values(values: &[u32], first: u32, end: u32) -> u32 {
     let (mut sum, mut element) = (0, first);
     while element < end {
-        sum += values[element as usize];
+        sum += at(values, element);
         element += 1;
     }
     sum
@@ -130,7 +130,7 @@ pub fn sum_blocks(
         let mut k = 0;
         while k < PER_LANE {
             if element < params.elements {
-                sum += values[element as usize];
+                sum += at(values, element);
             }
             element += LANES;
             k += 1;

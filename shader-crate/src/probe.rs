@@ -1,5 +1,6 @@
 //! Kernels that trace given rays and nothing else: for measuring traversal and for comparing processors hit by hit.
 
+use crate::access::at;
 use crate::bvh::BvhView;
 use crate::device_struct;
 use crate::glam::UVec4;
@@ -29,14 +30,14 @@ device_struct! {
 /// Kernel: the ray through the centre of the pixel of slot `lane`.
 pub fn primary_rays(lane: u32, params: &PathParams, slots: &[Slot], ray: &mut Ray) {
     let camera = &params.camera;
-    let (x, y) = pixel_of_rank(slots[lane as usize].rank, camera.width, camera.height);
+    let (x, y) = pixel_of_rank(at(slots, lane).rank, camera.width, camera.height);
     *ray = camera.ray(x, y, [0.5, 0.5]);
 }
 
 /// Kernel: a cosine-distributed ray from what ray `lane` hit, on the side that it came from. A ray that hit nothing is repeated.
 pub fn bounce_rays(lane: u32, params: &PathParams, rays: &[Ray], hits: &[Hit], triangles: &[UVec4], bounced: &mut Ray) {
-    let ray = rays[lane as usize];
-    let hit = hits[lane as usize];
+    let ray = at(rays, lane);
+    let hit = at(hits, lane);
     *bounced = if hit.is_some() {
         let numbers = SampleStream::new(params.sampler, params.seed, lane, 0);
         let point = surface_point(triangles, &ray, &hit);
@@ -57,8 +58,8 @@ pub fn shadow_rays(
     lights: &[Light],
     shadow: &mut Ray,
 ) {
-    let ray = rays[lane as usize];
-    let hit = hits[lane as usize];
+    let ray = at(rays, lane);
+    let hit = at(hits, lane);
     *shadow = if hit.is_some() && params.lights > 0 {
         let numbers = SampleStream::new(params.sampler, params.seed, lane, 0);
         let lights = LightView::new(lights, params.lights);
@@ -73,12 +74,12 @@ pub fn shadow_rays(
 
 /// Kernel: the nearest hit of ray `lane`.
 pub fn closest_hits(lane: u32, _: &ProbeParams, rays: &[Ray], nodes: &[UVec4], triangles: &[UVec4], hit: &mut Hit) {
-    *hit = BvhView::new(nodes, triangles).closest_hit(&rays[lane as usize]);
+    *hit = BvhView::new(nodes, triangles).closest_hit(&at(rays, lane));
 }
 
 /// Kernel: 1 if ray `lane` hits anything, else 0.
 pub fn any_hits(lane: u32, _: &ProbeParams, rays: &[Ray], nodes: &[UVec4], triangles: &[UVec4], occluded: &mut u32) {
-    *occluded = BvhView::new(nodes, triangles).is_occluded(&rays[lane as usize]) as u32;
+    *occluded = BvhView::new(nodes, triangles).is_occluded(&at(rays, lane)) as u32;
 }
 
 /// The point that `ray` hit, its normal on the side that the ray came from.

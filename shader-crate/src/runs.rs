@@ -5,7 +5,7 @@
 //! `(P * 256 * slots / W + phase) / 256`, rounded down (the quotient too), where `phase` is one random number below 256 for the whole round. So the runs follow each
 //! other without gaps, their lengths add up to `slots` exactly, and a pixel that is due 2.3 samples gets 2 or 3, 2.3 on average over phases.
 
-use crate::access::Scatter;
+use crate::access::{Scatter, at};
 use crate::device_struct;
 use crate::error_scale::{BlockErrors, is_live, magnitude, quantised};
 use crate::prefix::{BLOCK, LANES, Lane, Memory, PER_LANE, finish_block_sum, sum_before, sum_groups, sum_values};
@@ -92,12 +92,12 @@ pub fn weigh_errors(
     memory: &mut Memory,
 ) {
     if phase == 0 {
-        let weighing = Weighing::new(params, &totals[params.blocks as usize]);
+        let weighing = Weighing::new(params, &at(totals, params.blocks));
         let (mut pixel, mut sum) = (lane.group * BLOCK + lane.index, 0);
         let mut k = 0;
         while k < PER_LANE {
             if pixel < params.pixels {
-                let weight = weighing.weight(errors[pixel as usize]);
+                let weight = weighing.weight(at(errors, pixel));
                 weights.set(pixel, weight);
                 sum += weight;
             }
@@ -149,12 +149,12 @@ pub fn run_starts(
     } else if phase == 1 {
         sum_groups(lane, memory);
     } else {
-        let scale = Scale::new(params.slots << 8, offsets[params.blocks as usize]);
-        let mut sum = offsets[lane.group as usize] + sum_before(lane, memory);
+        let scale = Scale::new(params.slots << 8, at(offsets, params.blocks));
+        let mut sum = at(offsets, lane.group) + sum_before(lane, memory);
         let mut pixel = first;
         while pixel < end {
             starts.set(pixel, (scale.of(sum) + params.phase) >> 8);
-            sum += weights[pixel as usize];
+            sum += at(weights, pixel);
             pixel += 1;
         }
         if lane.group == params.blocks - 1 && lane.index == LANES - 1 {

@@ -4,9 +4,10 @@
 //! **run**), and runs follow each other in rank order (see [`crate::tiles`]): neighbours in the stream are
 //! neighbours in the picture, and accumulation is a loop over a pixel's own run.
 
-use crate::access::Scatter;
+use crate::access::{Scatter, at};
 use crate::device_struct;
 use crate::film::FilmPixel;
+use crate::prefix::{LANES, Lane};
 
 device_struct! {
     /// One slot of the stream. 8 bytes.
@@ -53,24 +54,62 @@ impl<'a> Runs<'a> {
 
     /// The first slot of the run of a pixel, counted from the window's first; that of the pixel after the last is the end.
     pub fn start(&self, pixel: u32) -> u32 {
-        if self.window.samples > 0 { pixel * self.window.samples } else { self.starts[pixel as usize] }
+        if self.window.samples > 0 { pixel * self.window.samples } else { at(self.starts, pixel) }
     }
 }
 
-/// Kernel: fills the run of pixel `lane` of the window.
-pub fn fill_runs(lane: u32, window: &RunWindow, starts: &[u32], film: &[FilmPixel], slots: &mut Scatter<'_, Slot>) {
-    let runs = Runs::new(window, starts);
-    let mut slot = runs.start(lane);
-    let end = runs.start(lane + 1);
-    if slot == end {
-        return;
+/// Phases of [`fill_runs`].
+pub const PHASES: u32 = 2;
+/// The memory of a workgroup that fills runs: where the runs of its pixels begin, where the last one ends, and the numbers of their first
+/// samples.
+pub type Memory = [u32; (2 * LANES + 1) as usize];
+const END: usize = LANES as usize;
+const SAMPLES: usize = END + 1;
+
+/// Kernel, in phases: fills the runs of the [`LANES`] pixels of a workgroup. Neighbouring lanes fill neighbouring slots, whosever they are, so that memory is
+/// written in order and a long run holds up nobody.
+pub fn fill_runs(
+    phase: u32,
+    lane: Lane,
+    window: &RunWindow,
+    starts: &[u32],
+    film: &[FilmPixel],
+    slots: &mut Scatter<'_, Slot>,
+    memory: &mut Memory,
+) {
+    let first_pixel = lane.group * LANES;
+    if phase == 0 {
+        let runs = Runs::new(window, starts);
+        let pixel = first_pixel + lane.index;
+        // Beyond the window all runs begin where the last one ends.
+        memory[lane.index as usize] = runs.start(pixel.min(window.pixels));
+        if pixel < window.pixels {
+            memory[SAMPLES + lane.index as usize] = at(film, pixel).samples;
+        }
+        if lane.index == 0 {
+            memory[END] = runs.start((first_pixel + LANES).min(window.pixels));
+        }
+    } else {
+        let mut slot = memory[0] + lane.index;
+        while slot < memory[END] {
+            let run = run_of(memory, slot);
+            let sample = memory[SAMPLES + run] + (slot - memory[run]);
+            slots.set(slot, Slot { rank: window.first_rank + first_pixel + run as u32, sample });
+            slot += LANES;
+        }
     }
-    let mut sample = film[lane as usize].samples;
-    while slot < end {
-        slots.set(slot, Slot { rank: window.first_rank + lane, sample });
-        slot += 1;
-        sample += 1;
+}
+
+/// The run that `slot` is in: the last one that begins no later. (Those before it that begin at the same slot are empty.)
+fn run_of(memory: &Memory, slot: u32) -> usize {
+    let (mut run, mut step) = (0, LANES as usize / 2);
+    while step > 0 {
+        if memory[run + step] <= slot {
+            run += step;
+        }
+        step /= 2;
     }
+    run
 }
 
 /// Kernel: makes slot `lane` empty.

@@ -1,5 +1,6 @@
 //! From a hit to what shading needs to know.
 
+use crate::access::at;
 use crate::device_struct;
 use crate::glam::{Vec2, Vec3};
 use crate::material::Material;
@@ -57,10 +58,10 @@ impl Surface {
         let triangle = scene.bvh.triangles().get(hit.triangle);
         let point = triangle.surface_point(hit, scene.offset_roundings);
         let geometric = point.normal;
-        let mut material = scene.materials[triangle.material as usize];
+        let mut material = at(scene.materials, triangle.material);
         let mut shading = geometric;
         if triangle.attributes != NO_ATTRIBUTES {
-            let a = scene.attributes[triangle.attributes as usize];
+            let a = at(scene.attributes, triangle.attributes);
             let w = 1.0 - hit.u - hit.v;
             let normal = a.normal0 * w + a.normal1 * hit.u + a.normal2 * hit.v;
             let length = normal.length_squared();

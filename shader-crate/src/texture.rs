@@ -4,6 +4,7 @@
 //! for each texture its width, its height and its texels, row by row from the top, 0xAABBGGRR. A texture is named by the
 //! index of its width.
 
+use crate::access::at;
 use crate::glam::Vec3;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -27,7 +28,7 @@ impl<'a> TextureView<'a> {
 
     /// Linear Rec.709 reflectance of `texture` at `(u, v)`; `v = 0` is the bottom edge, texel centres are at half-integers.
     pub fn sample(&self, texture: u32, u: f32, v: f32) -> Vec3 {
-        let (width, height) = (self.words[texture as usize], self.words[texture as usize + 1]);
+        let (width, height) = (at(self.words, texture), at(self.words, texture + 1));
         let x = (u - u.floor()) * width as f32 - 0.5;
         let y = (1.0 - (v - v.floor())) * height as f32 - 0.5;
         let (left, top) = (x.floor(), y.floor());
@@ -41,12 +42,12 @@ impl<'a> TextureView<'a> {
     }
 
     fn texel(&self, index: u32) -> Vec3 {
-        let code = self.words[index as usize];
+        let code = at(self.words, index);
         Vec3::new(self.decode(code & 0xff), self.decode(code >> 8 & 0xff), self.decode(code >> 16 & 0xff))
     }
 
     fn decode(&self, srgb: u32) -> f32 {
-        f32::from_bits(self.words[srgb as usize])
+        f32::from_bits(at(self.words, srgb))
     }
 }
 

@@ -7,6 +7,7 @@
 //! The words are bits of f32 where they are lengths. They travel as integers because a small integer, read as
 //! a float, is a denormal, which a GPU may flush to zero.
 
+use crate::access::at;
 use crate::glam::{UVec4, Vec3};
 use crate::math::{UNIT_ROUNDOFF, triangle_normal};
 use crate::ray::{Hit, OFFSET_ROUNDINGS, SurfacePoint};
@@ -46,8 +47,8 @@ impl<'a> TriangleView<'a> {
 
     /// The triangle number `index`, in the order of the BVH.
     pub fn get(&self, index: u32) -> Triangle {
-        let first = (index * ROWS_PER_TRIANGLE) as usize;
-        Triangle::from_rows([self.rows[first], self.rows[first + 1], self.rows[first + 2]])
+        let row = |number| at(self.rows, index * ROWS_PER_TRIANGLE + number);
+        Triangle::from_rows([row(0), row(1), row(2)])
     }
 }
 

@@ -16,14 +16,19 @@ const TOOLCHAIN: &str = "RUST_GPU_TOOLCHAIN";
 /// Path of the backend's dynamic library.
 const BACKEND: &str = "RUSTC_CODEGEN_SPIRV";
 
-/// Compiles the crate in the folder `shader_crate` to one SPIR-V module, as the compiler leaves it.
-pub fn compile(shader_crate: &Path) -> Result<Vec<u8>> {
-    let builder = configure(shader_crate)?
+/// The feature of the shader crate with which kernels check every index.
+const BOUNDS_CHECKS: &str = "bounds-checks";
+
+/// Compiles the crate in the folder `shader_crate` to one SPIR-V module, as the compiler leaves it; with kernels that check every index, if
+/// `bounds_checks`.
+pub fn compile(shader_crate: &Path, bounds_checks: bool) -> Result<Vec<u8>> {
+    let mut builder = configure(shader_crate)?
         .release(true)
         .multimodule(false)
         .spirv_metadata(SpirvMetadata::None)
         // A thread that panics leaves the kernel; the host tests are where a panic is seen.
         .shader_panic_strategy(ShaderPanicStrategy::SilentExit);
+    builder.shader_crate_features.features = bounds_checks.then(|| BOUNDS_CHECKS.to_owned()).into_iter().collect();
     let compiled =
         builder.build().context("the kernels did not compile to SPIR-V; the compiler's messages are above")?;
     let ModuleResult::SingleModule(path) = compiled.module else {

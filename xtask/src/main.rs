@@ -31,12 +31,15 @@ enum Command {
         /// Write nothing; compile, compare with the checked-in files and exit with status 1 when they differ.
         #[arg(long)]
         check: bool,
+        /// Have the kernels check every index, and end a thread that is wrong: for finding bugs, not to be committed.
+        #[arg(long, conflicts_with = "check")]
+        bounds_checks: bool,
     },
 }
 
 fn main() -> ExitCode {
-    let Command::Shaders { check } = Arguments::parse().command;
-    let outcome = if check { shaders::check() } else { shaders::write() };
+    let Command::Shaders { check, bounds_checks } = Arguments::parse().command;
+    let outcome = if check { shaders::check() } else { shaders::write(bounds_checks) };
     match outcome {
         Ok(Outcome::UpToDate(message)) => {
             eprintln!("{message}");

@@ -14,10 +14,11 @@ pub enum Outcome {
     Stale(String),
 }
 
-/// Compiles the kernels, and writes the module and the digest of what it was compiled from.
-pub fn write() -> Result<Outcome> {
+/// Compiles the kernels, and writes the module and the digest of what it was compiled from. Kernels that check every index are for
+/// debugging: [`check`] finds them stale.
+pub fn write(bounds_checks: bool) -> Result<Outcome> {
     let root = root()?;
-    let module = compile(root)?;
+    let module = compile(root, bounds_checks)?;
     let path = root.join(MODULE);
     let unchanged = fs::read(&path).is_ok_and(|old| old == module);
     if let Some(folder) = path.parent() {
@@ -32,7 +33,7 @@ pub fn write() -> Result<Outcome> {
 /// Compiles the kernels and compares with the checked-in module and digest.
 pub fn check() -> Result<Outcome> {
     let root = root()?;
-    let compiled = compile(root)?;
+    let compiled = compile(root, false)?;
     let module = fs::read(root.join(MODULE)).with_context(|| format!("cannot read {MODULE}; run `cargo shaders`"))?;
     if let Some(difference) = first_difference(&compiled, &module) {
         return Ok(Outcome::Stale(format!(
@@ -52,8 +53,8 @@ pub fn check() -> Result<Outcome> {
     Ok(Outcome::UpToDate(format!("{MODULE} is what the sources compile to")))
 }
 
-fn compile(root: &Path) -> Result<Vec<u8>> {
-    module::finish(&compiler::compile(&root.join("shader-crate"))?)
+fn compile(root: &Path, bounds_checks: bool) -> Result<Vec<u8>> {
+    module::finish(&compiler::compile(&root.join("shader-crate"), bounds_checks)?)
 }
 
 /// The repository's root, wherever the command was called.

@@ -8,7 +8,7 @@ pub mod rays;
 use crate::exec::ExecError;
 use crate::image::ImageError;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// What can go wrong in a measurement.
 #[derive(Debug, thiserror::Error)]
@@ -41,6 +41,19 @@ pub enum BenchError {
         /// What went wrong.
         reason: String,
     },
+}
+
+/// A device that has been idle runs slowly at first: a GPU at a sixth of its clock.
+const WARM_UP: Duration = Duration::from_millis(300);
+
+/// Repeats `work`, at least once, until the device has had time to reach its speed.
+fn warm_up<E>(mut work: impl FnMut() -> Result<(), E>) -> Result<(), E> {
+    let start = Instant::now();
+    work()?;
+    while start.elapsed() < WARM_UP {
+        work()?;
+    }
+    Ok(())
 }
 
 /// The middle one of `times`, which are not empty.
