@@ -54,6 +54,70 @@ macro_rules! for_each_kernel {
                 read 7 texels: u32,
                 write 8 contributions: $crate::film::Contribution,
             }
+            /// Traces the paths of a stream by threads that take slot after slot.
+            regenerate_paths[64] = $crate::regeneration::regenerate_paths {
+                uniform 0 parameters: $crate::path::PathParams,
+                read 1 slots: $crate::stream::Slot,
+                read 2 nodes: $crate::glam::UVec4,
+                read 3 triangles: $crate::glam::UVec4,
+                read 4 attributes: $crate::surface::Attributes,
+                read 5 materials: $crate::material::Material,
+                read 6 lights: $crate::light::Light,
+                read 7 texels: u32,
+                scatter 8 contributions: $crate::film::Contribution,
+                atomic 9 taken,
+            }
+            /// Finds what the rays of a pool's paths hit.
+            trace_queue[64] = $crate::wavefront::trace_queue {
+                uniform 0 parameters: $crate::wavefront::WavefrontParams,
+                read 1 slots: $crate::stream::Slot,
+                read 2 nodes: $crate::glam::UVec4,
+                read 3 triangles: $crate::glam::UVec4,
+                read 4 kept: u32,
+                read 5 offsets: u32,
+                scatter 6 rows: $crate::glam::UVec4,
+                scatter 7 queues: $crate::wavefront::Queue,
+            }
+            /// Takes a pool's paths from what they hit to their next segments.
+            shade_queue[64] = $crate::wavefront::shade_queue {
+                uniform 0 parameters: $crate::wavefront::WavefrontParams,
+                read 1 slots: $crate::stream::Slot,
+                read 2 triangles: $crate::glam::UVec4,
+                read 3 attributes: $crate::surface::Attributes,
+                read 4 materials: $crate::material::Material,
+                read 5 lights: $crate::light::Light,
+                read 6 texels: u32,
+                read 7 kept: u32,
+                read 8 queues: $crate::wavefront::Queue,
+                write 9 goes_on: u32,
+                scatter 10 rows: $crate::glam::UVec4,
+                scatter 11 contributions: $crate::film::Contribution,
+            }
+            /// Tests whether light that a pool's paths have sampled is visible.
+            shadow_queue[64] = $crate::wavefront::shadow_queue {
+                uniform 0 parameters: $crate::wavefront::WavefrontParams,
+                read 1 nodes: $crate::glam::UVec4,
+                read 2 triangles: $crate::glam::UVec4,
+                read 3 queues: $crate::wavefront::Queue,
+                scatter 4 rows: $crate::glam::UVec4,
+                scatter 5 contributions: $crate::film::Contribution,
+            }
+            /// Traces what is left of a pool's paths and slots.
+            finish_queue[64] = $crate::wavefront::finish_queue {
+                uniform 0 parameters: $crate::wavefront::WavefrontParams,
+                read 1 slots: $crate::stream::Slot,
+                read 2 nodes: $crate::glam::UVec4,
+                read 3 triangles: $crate::glam::UVec4,
+                read 4 attributes: $crate::surface::Attributes,
+                read 5 materials: $crate::material::Material,
+                read 6 lights: $crate::light::Light,
+                read 7 texels: u32,
+                read 8 kept: u32,
+                read 9 offsets: u32,
+                read 10 queues: $crate::wavefront::Queue,
+                scatter 11 rows: $crate::glam::UVec4,
+                scatter 12 contributions: $crate::film::Contribution,
+            }
             /// Adds a window's contributions to the film, every pixel its own run.
             accumulate_runs[64] = $crate::film::accumulate_runs {
                 uniform 0 parameters: $crate::stream::RunWindow,

@@ -31,14 +31,17 @@ pub mod path;
 pub mod prefix;
 pub mod probe;
 pub mod ray;
+pub mod regeneration;
 pub mod runs;
 pub mod sampler;
 pub mod scene;
+pub mod soa;
 pub mod stream;
 pub mod surface;
 pub mod texture;
 pub mod tiles;
 pub mod triangle;
+pub mod wavefront;
 pub mod wide;
 
 pub use spirv_std::glam;

@@ -15,7 +15,7 @@ use crate::material::{
     BsdfSample, DIELECTRIC, DIFFUSE, Material, diffuse_pdf, sample_dielectric, sample_diffuse, sample_mirror,
 };
 use crate::math::power_heuristic;
-use crate::ray::{Ray, SurfacePoint};
+use crate::ray::{Hit, Ray, SurfacePoint};
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, PIXEL, SampleStream, of_vertex, unit_float};
 use crate::scene::SceneView;
 use crate::stream::{NO_PIXEL, Slot};
@@ -80,92 +80,172 @@ pub fn trace_paths(
         offset_roundings: params.offset_roundings,
         textures: TextureView::new(texels),
     };
-    let slot = at(slots, lane);
-    *contribution = if slot.rank == NO_PIXEL {
-        Contribution::NOTHING
-    } else {
-        trace_slot(params, &scene, &LightView::new(lights, params.lights), slot)
-    };
+    *contribution = trace_slot(params, &scene, &LightView::new(lights, params.lights), at(slots, lane));
 }
 
 /// The contribution of one slot.
 pub fn trace_slot(params: &PathParams, scene: &SceneView<'_>, lights: &LightView<'_>, slot: Slot) -> Contribution {
-    let camera = &params.camera;
-    let (x, y) = pixel_of_rank(slot.rank, camera.width, camera.height);
-    let numbers = SampleStream::new(params.sampler, params.seed, y * camera.width + x, slot.sample);
-    let mut path = Path::new(camera.ray(x, y, numbers.pair(PIXEL)));
-    let mut depth = 1;
-    while path.extend(params, scene, lights, &numbers, depth) {
-        depth += 1;
+    if slot.rank == NO_PIXEL {
+        return Contribution::NOTHING;
     }
+    let numbers = numbers_of(params, slot);
+    let mut path = Path::begin(params, slot, &numbers);
+    while path.extend(params, scene, lights, &numbers) {}
     path.contribution()
 }
 
+/// The random numbers of the path of a slot that is not empty.
+pub fn numbers_of(params: &PathParams, slot: Slot) -> SampleStream {
+    let camera = &params.camera;
+    let (x, y) = pixel_of_rank(slot.rank, camera.width, camera.height);
+    SampleStream::new(params.sampler, params.seed, y * camera.width + x, slot.sample)
+}
+
+/// The first segment of the path of a slot that is not empty.
+pub fn camera_ray(params: &PathParams, slot: Slot, numbers: &SampleStream) -> Ray {
+    let camera = &params.camera;
+    let (x, y) = pixel_of_rank(slot.rank, camera.width, camera.height);
+    camera.ray(x, y, numbers.pair(PIXEL))
+}
+
+/// What `rays` rays and the light that they found make of a slot.
+pub fn contribution(radiance: Vec3, rays: u32) -> Contribution {
+    Contribution { radiance, rays, squared: radiance * radiance, pad: 0 }
+}
+
 /// A path under way.
-struct Path {
+#[derive(Clone, Copy)]
+pub struct Path {
     /// The next segment.
-    ray: Ray,
+    pub ray: Ray,
+    /// Its number, from 1 on.
+    pub depth: u32,
     /// Product of the weights so far.
-    throughput: Vec3,
+    pub throughput: Vec3,
     /// Density of the last direction per solid angle; 0 where no light sample could have made it.
-    pdf: f32,
+    pub pdf: f32,
     /// What has been gathered.
-    radiance: Vec3,
-    rays: u32,
+    pub radiance: Vec3,
+    /// Rays traced, shadow rays included.
+    pub rays: u32,
+}
+
+/// What a path does at the end of a segment.
+#[derive(Clone, Copy)]
+pub struct Bounce {
+    /// Light that arrives there unless something is in its way.
+    pub light: SampledLight,
+    /// Whether there is a next segment.
+    pub goes_on: bool,
+}
+
+/// Light from a sampled point, not yet known to be visible.
+#[derive(Clone, Copy)]
+pub struct SampledLight {
+    /// From the surface to the point; `t_max` is 0 where no point was sampled.
+    pub segment: Ray,
+    /// What it adds to the path's radiance if nothing occludes the segment.
+    pub radiance: Vec3,
+}
+
+impl SampledLight {
+    /// No point was sampled, or one that cannot light the surface.
+    pub fn none() -> Self {
+        Self { segment: Ray::segment(Vec3::ZERO, Vec3::ZERO, 0.0), radiance: Vec3::ZERO }
+    }
+
+    /// The segment of this origin and direction, as one that is to be tested.
+    pub fn segment(origin: Vec3, direction: Vec3) -> Ray {
+        Ray::segment(origin, direction, 1.0)
+    }
+
+    /// Whether there is a segment to test.
+    pub fn is_some(&self) -> bool {
+        self.segment.t_max > 0.0
+    }
 }
 
 impl Path {
-    fn new(ray: Ray) -> Self {
-        Self { ray, throughput: Vec3::ONE, pdf: 0.0, radiance: Vec3::ZERO, rays: 0 }
+    /// The path of a slot that is not empty, at the camera.
+    pub fn begin(params: &PathParams, slot: Slot, numbers: &SampleStream) -> Self {
+        Self {
+            ray: camera_ray(params, slot, numbers),
+            depth: 1,
+            throughput: Vec3::ONE,
+            pdf: 0.0,
+            radiance: Vec3::ZERO,
+            rays: 0,
+        }
     }
 
-    /// Traces segment number `depth` (from 1) and picks the next; false where the path ends.
+    /// Traces the next segment and gathers the light at its end; false where the path ends. Integrators that split this in two or more
+    /// kernels make the same calls in the same order.
     #[inline(always)]
-    fn extend(
+    pub fn extend(
         &mut self,
         params: &PathParams,
         scene: &SceneView<'_>,
         lights: &LightView<'_>,
         numbers: &SampleStream,
-        depth: u32,
     ) -> bool {
-        self.rays += 1;
         let hit = scene.bvh.closest_hit(&self.ray);
+        let bounce = self.shade(params, scene, lights, numbers, &hit);
+        if bounce.light.is_some() && !scene.bvh.is_occluded(&bounce.light.segment) {
+            self.radiance += bounce.light.radiance;
+        }
+        bounce.goes_on
+    }
+
+    /// Gathers what is emitted at the end of the segment, which is `hit`, samples a light there and picks the next segment. Looks triangles up but
+    /// traverses nothing: the sampled light is the caller's to test and to add.
+    #[inline(always)]
+    pub fn shade(
+        &mut self,
+        params: &PathParams,
+        scene: &SceneView<'_>,
+        lights: &LightView<'_>,
+        numbers: &SampleStream,
+        hit: &Hit,
+    ) -> Bounce {
+        self.rays += 1;
+        let mut light = SampledLight::none();
         if !hit.is_some() {
             // No light sample aims at the background, so this technique has it alone.
             self.radiance += self.throughput * params.background;
-            return false;
+            return Bounce { light, goes_on: false };
         }
-        let surface = Surface::at(scene, &self.ray, &hit);
+        let surface = Surface::at(scene, &self.ray, hit);
         if surface.from_front && surface.material.emits() {
             let weight = self.emission_weight(params, &surface, hit.t);
             self.radiance += self.throughput * surface.material.emission * weight;
         }
-        if depth >= params.max_depth {
-            return false;
+        if self.depth >= params.max_depth {
+            return Bounce { light, goes_on: false };
         }
-        let vertex = depth - 1;
+        let vertex = self.depth - 1;
         let [choice, roulette] = numbers.bits(of_vertex(vertex, CHOICES));
         if surface.material.kind == DIFFUSE && params.techniques != BSDF_SAMPLING_ALONE && !lights.is_empty() {
             let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
-            self.sample_light(params, scene, lights, &surface, choice, point);
+            light = self.sample_light(params, scene.offset_roundings, lights, &surface, choice, point);
+            self.rays += light.is_some() as u32;
         }
         let sample =
             sample_bsdf(&surface, self.ray.direction, numbers.pair(of_vertex(vertex, BSDF)), unit_float(choice));
         self.throughput *= sample.weight;
         self.pdf = sample.pdf;
-        if depth >= params.roulette_depth {
+        if self.depth >= params.roulette_depth {
             let survival = self.throughput.max_element().min(0.95);
             if unit_float(roulette) >= survival {
-                return false;
+                return Bounce { light, goes_on: false };
             }
             self.throughput /= survival;
         }
         if self.throughput.max_element() <= 0.0 {
-            return false;
+            return Bounce { light, goes_on: false };
         }
         self.ray = Ray::new(surface.point.offset_towards(sample.direction), sample.direction);
-        true
+        self.depth += 1;
+        Bounce { light, goes_on: true }
     }
 
     /// Weight of emission that the last direction ran into, `t` away.
@@ -181,16 +261,16 @@ impl Path {
         power_heuristic(self.pdf, light_pdf)
     }
 
-    /// Next-event estimation at a diffuse surface: adds what a sampled point of a light sends here.
+    /// Next-event estimation at a diffuse surface: what a sampled point of a light sends here.
     fn sample_light(
-        &mut self,
+        &self,
         params: &PathParams,
-        scene: &SceneView<'_>,
+        offset_roundings: f32,
         lights: &LightView<'_>,
         surface: &Surface,
         choice: u32,
         point: [f32; 2],
-    ) {
+    ) -> SampledLight {
         let light = lights.sample(lights.choose(choice), point);
         let offset = light.position - surface.point.position;
         let distance2 = offset.length_squared();
@@ -198,7 +278,7 @@ impl Path {
         let cosine_light = -direction.dot(light.normal);
         let bsdf_pdf = diffuse_pdf(surface.normal, direction);
         if !(cosine_light > 0.0 && bsdf_pdf > 0.0 && distance2 > 0.0) {
-            return;
+            return SampledLight::none();
         }
         let pdf = light.pdf * distance2 / cosine_light;
         let weight = if params.techniques == LIGHT_SAMPLING_ALONE { 1.0 } else { power_heuristic(pdf, bsdf_pdf) };
@@ -208,18 +288,16 @@ impl Path {
             position: light.position,
             normal: light.normal,
             magnitude: light.position.abs().max_element().max(surface.point.magnitude),
-            offset_roundings: scene.offset_roundings,
+            offset_roundings,
         }
         .offset_towards(light.normal);
-        self.rays += 1;
-        if !scene.bvh.is_occluded(&Ray::segment(from, to - from, 1.0)) {
-            let reflected = surface.material.reflectance * light.radiance * (bsdf_pdf / pdf);
-            self.radiance += self.throughput * reflected * weight;
-        }
+        let reflected = surface.material.reflectance * light.radiance * (bsdf_pdf / pdf);
+        SampledLight { segment: SampledLight::segment(from, to - from), radiance: self.throughput * reflected * weight }
     }
 
-    fn contribution(&self) -> Contribution {
-        Contribution { radiance: self.radiance, rays: self.rays, squared: self.radiance * self.radiance, pad: 0 }
+    /// What the path, which has ended, makes of its slot.
+    pub fn contribution(&self) -> Contribution {
+        contribution(self.radiance, self.rays)
     }
 }
 

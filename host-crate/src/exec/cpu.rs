@@ -33,13 +33,12 @@ impl Executor for CpuExecutor {
 
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<CpuBuffer, ExecError> {
         let len = bytes.div_ceil(size_of::<u128>() as u64) as usize;
-        let mut blocks = Vec::new();
-        blocks.try_reserve_exact(len).map_err(|_| ExecError::OutOfMemory {
+        // Zeroed by the system, page by page when it is first used: what a small picture does not need of a large buffer costs nothing.
+        let blocks = bytemuck::allocation::try_zeroed_vec(len).map_err(|()| ExecError::OutOfMemory {
             device: self.name().to_owned(),
             label,
             bytes,
         })?;
-        blocks.resize(len, 0);
         Ok(CpuBuffer { blocks: RwLock::new(blocks) })
     }
 

@@ -42,6 +42,12 @@ pub enum IntegratorKind {
     /// One thread walks one path to its end.
     #[default]
     Megakernel,
+    /// All paths advance by a segment at a time; after each, stream compaction removes those that have ended.
+    Compaction,
+    /// A fixed number of threads, each of which takes the next sample as soon as its path has ended.
+    Regeneration,
+    /// A pool of paths that advance by a segment at a time; stream compaction removes those that have ended, and the next samples take their places.
+    Streaming,
 }
 
 /// How light is looked for. All are unbiased where every technique can find all light; they differ in noise.

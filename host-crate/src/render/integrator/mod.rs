@@ -3,8 +3,15 @@
 //! | name | what it is |
 //! |---|---|
 //! | [`megakernel`] | one thread walks one path to its end |
+//! | [`regeneration`] | a fixed number of threads, each takes the next slot when its path has ended |
+//! | `compaction` ([`wavefront`]) | all paths advance a segment at a time, terminated ones are removed |
+//! | `streaming` ([`wavefront`]) | likewise, and the next slots take their places |
+//!
+//! All of them call the same functions of [`raystream_shaders::path`], which do the same arithmetic in the same order.
 
 pub mod megakernel;
+pub mod regeneration;
+pub mod wavefront;
 
 use super::{IntegratorKind, SceneBuffers};
 use crate::exec::{Array, ExecError, Executor, Launch};
@@ -26,6 +33,17 @@ pub trait Integrator<E: Executor> {
     /// Launches that compute the contributions of the slots of `part`, which begins at a multiple of
     /// [`WINDOW_ALIGNMENT`](super::film::WINDOW_ALIGNMENT) and is not empty.
     fn trace<'a>(&'a self, stream: &StreamBuffers<'a, E::Buffer>, part: Range<u32>) -> Vec<Launch<'a, E::Buffer>>;
+
+    /// How many paths were under way in each iteration over `part`, whose launches were the last that were run; empty where paths do not
+    /// advance in step. For measurements: it waits for the device.
+    fn active_paths(
+        &self,
+        _executor: &E,
+        _stream: &StreamBuffers<'_, E::Buffer>,
+        _part: Range<u32>,
+    ) -> Result<Vec<u32>, ExecError> {
+        Ok(Vec::new())
+    }
 }
 
 /// What integrators work on.
@@ -43,10 +61,13 @@ pub struct StreamBuffers<'a, B> {
 /// A new integrator for streams of at most `capacity` slots; it asks for memory only as far as it needs it.
 pub fn create<E: Executor>(
     kind: IntegratorKind,
-    _executor: &E,
-    _capacity: u32,
+    executor: &E,
+    capacity: u32,
 ) -> Result<Box<dyn Integrator<E>>, ExecError> {
     Ok(match kind {
         IntegratorKind::Megakernel => Box::new(megakernel::Megakernel),
+        IntegratorKind::Regeneration => Box::new(regeneration::Regeneration::new(executor)?),
+        IntegratorKind::Compaction => Box::new(wavefront::Wavefront::compaction(executor, capacity)?),
+        IntegratorKind::Streaming => Box::new(wavefront::Wavefront::streaming(executor, capacity)?),
     })
 }

@@ -1,0 +1,304 @@
+//! The integrators `compaction` and `streaming`: a pool of paths that all advance by a segment at a time.
+//!
+//! What an iteration's launches do is told in [`raystream_shaders::wavefront`]. Here is how many there are. Nothing is read back on the way, so it must
+//! not depend on how long paths turn out to be: see [`Pass`].
+
+use super::{Integrator, StreamBuffers};
+use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::render::film::WINDOW_ALIGNMENT;
+use bytemuck::Zeroable;
+use glam::UVec4;
+use raystream_shaders::prefix::BlockParams;
+use raystream_shaders::wavefront::{POOL_ROWS, Queue, WavefrontParams};
+use std::ops::Range;
+
+/// Paths in the pool of `streaming`, at most: enough to fill any GPU, few enough that their states stay near the processor. `compaction` needs no larger pool
+/// than a stream is long.
+const STREAMING_POOL: u32 = 1 << 20;
+
+/// Iterations that are made at most for the paths that start last. Few are as long, so the rest is left to one launch that walks each to its end.
+const LONGEST_TAIL: u32 = 24;
+/// Iterations that are made at most, on average, to replace all paths of the pool once by new ones.
+const REPLACEMENT: u32 = 8;
+
+/// See the [module](self).
+pub struct Wavefront<B> {
+    /// Paths in the pool, at most.
+    capacity: u32,
+    /// Whether lanes without a path take the next slots.
+    regenerates: bool,
+    /// The states of the paths, see [`POOL_ROWS`].
+    rows: Array<B, UVec4>,
+    /// Which lanes have a path that goes on: 1, else 0.
+    goes_on: Array<B, u32>,
+    /// These lanes, close together.
+    kept: Array<B, u32>,
+    /// How many there are before each block of lanes and, after the last, in all.
+    offsets: Array<B, u32>,
+    /// The paths of each iteration.
+    queues: Array<B, Queue>,
+}
+
+/// Iterations over a pool that take a range of slots from their first to their last segments.
+///
+/// Where paths are regenerated, the pool is full as long as there are slots. Of `D` iterations each path sees its end, so within every `D` all of the pool are
+/// replaced, and with `ceil(slots / pool)` pools full of slots `D * ceil(slots / pool)` iterations are always enough. For long paths these would be thousands
+/// of launches for a few that are as long. Then there are fewer, and one launch more that finishes what is left.
+#[derive(Clone, Debug, PartialEq)]
+struct Pass {
+    slots: Range<u32>,
+    /// Lanes of every launch.
+    lanes: u32,
+    /// Numbers of the iterations.
+    iterations: Range<u32>,
+    /// Whether a launch must finish what is left.
+    leaves_paths: bool,
+}
+
+impl Pass {
+    /// The passes over `slots` slots of paths of at most `max_depth` segments.
+    fn all(slots: u32, capacity: u32, regenerates: bool, max_depth: u32) -> Vec<Self> {
+        let longest = if regenerates { slots } else { capacity };
+        let mut passes: Vec<Self> = Vec::new();
+        let mut start = 0;
+        while start < slots {
+            let end = slots.min(start.saturating_add(longest));
+            let lanes = (end - start).min(capacity);
+            let replacements = (end - start).div_ceil(lanes) - 1;
+            let enough = max_depth.saturating_mul(1 + replacements);
+            let made = enough.min(max_depth.min(LONGEST_TAIL) + replacements * max_depth.min(REPLACEMENT));
+            let first = passes.last().map_or(0, |pass| pass.iterations.end);
+            let iterations = first..first + made;
+            passes.push(Self { slots: start..end, lanes, iterations, leaves_paths: made < enough });
+            start = end;
+        }
+        passes
+    }
+}
+
+impl<B> Wavefront<B> {
+    /// Removes terminated paths; for streams of at most `stream` slots.
+    pub fn compaction<E: Executor<Buffer = B>>(executor: &E, stream: u32) -> Result<Self, ExecError> {
+        Self::of_capacity(executor, stream, stream, false)
+    }
+
+    /// Removes terminated paths and puts new ones into their places; likewise.
+    pub fn streaming<E: Executor<Buffer = B>>(executor: &E, stream: u32) -> Result<Self, ExecError> {
+        Self::of_capacity(executor, stream, stream.min(STREAMING_POOL), true)
+    }
+
+    /// A pool of `capacity` paths, or of as many as the device has room for.
+    pub fn of_capacity<E: Executor<Buffer = B>>(
+        executor: &E,
+        stream: u32,
+        capacity: u32,
+        regenerates: bool,
+    ) -> Result<Self, ExecError> {
+        let fitting = executor.limits().buffer_bytes / (u64::from(POOL_ROWS) * size_of::<UVec4>() as u64);
+        let mut capacity = u64::from(capacity).min(fitting).max(1) as u32;
+        loop {
+            match Self::allocate(executor, stream, capacity, regenerates) {
+                Err(ExecError::OutOfMemory { .. }) if capacity > 4 * WINDOW_ALIGNMENT => capacity /= 2,
+                done => return done,
+            }
+        }
+    }
+
+    fn allocate<E: Executor<Buffer = B>>(
+        executor: &E,
+        stream: u32,
+        capacity: u32,
+        regenerates: bool,
+    ) -> Result<Self, ExecError> {
+        let lanes = capacity as usize;
+        let passes = Pass::all(stream, capacity, regenerates, u32::MAX);
+        let iterations = passes.last().map_or(0, |pass| pass.iterations.end) as usize;
+        Ok(Self {
+            capacity,
+            regenerates,
+            rows: Array::zeroed(executor, "paths under way", lanes * POOL_ROWS as usize)?,
+            goes_on: Array::zeroed(executor, "which paths go on", lanes)?,
+            kept: Array::zeroed(executor, "a queue of paths", lanes)?,
+            offsets: Array::zeroed(executor, "sums over paths", BlockParams::per_block(capacity).blocks as usize + 1)?,
+            queues: Array::zeroed(executor, "lengths of queues", iterations)?,
+        })
+    }
+
+    /// The passes over a part of a stream.
+    fn passes(&self, stream: &StreamBuffers<'_, B>, part: &Range<u32>) -> Vec<Pass> {
+        Pass::all(part.end - part.start, self.capacity, self.regenerates, stream.parameters.max_depth)
+    }
+}
+
+/// The launches of one pass.
+struct Launcher<'a, 's, B> {
+    pool: &'a Wavefront<B>,
+    stream: &'s StreamBuffers<'a, B>,
+    part: Range<usize>,
+    pass: &'s Pass,
+}
+
+impl<'a, B> Launcher<'a, '_, B> {
+    fn all(&self) -> Vec<Launch<'a, B>> {
+        let Range { start, end } = self.pass.iterations;
+        let mut launches = Vec::new();
+        for iteration in start..end {
+            launches.push(self.trace(iteration));
+            launches.push(self.shade(iteration));
+            // In the last iteration of all every path is at its last segment, where no light is sampled.
+            if iteration + 1 < end || self.pass.leaves_paths {
+                launches.push(self.shadow(iteration));
+                launches.extend(self.compact());
+            }
+        }
+        if self.pass.leaves_paths {
+            launches.push(self.finish(end));
+        }
+        launches
+    }
+
+    fn parameters(&self, iteration: u32) -> WavefrontParams {
+        WavefrontParams {
+            threads: self.pass.lanes,
+            iteration,
+            is_first: u32::from(iteration == self.pass.iterations.start),
+            regenerates: u32::from(self.pool.regenerates),
+            first_slot: self.pass.slots.start,
+            end_slot: self.pass.slots.end,
+            path: *self.stream.parameters,
+            ..WavefrontParams::zeroed()
+        }
+    }
+
+    fn trace(&self, iteration: u32) -> Launch<'a, B> {
+        let (pool, scene) = (self.pool, self.stream.scene);
+        Launch::new(
+            &kernels::trace_queue,
+            &self.parameters(iteration),
+            vec![
+                self.stream.slots.slice(self.part.clone()),
+                scene.nodes.view(),
+                scene.triangles.view(),
+                pool.kept.view(),
+                pool.offsets.view(),
+                pool.rows.view(),
+                pool.queues.view(),
+            ],
+        )
+    }
+
+    fn shade(&self, iteration: u32) -> Launch<'a, B> {
+        let (pool, scene) = (self.pool, self.stream.scene);
+        Launch::new(
+            &kernels::shade_queue,
+            &self.parameters(iteration),
+            vec![
+                self.stream.slots.slice(self.part.clone()),
+                scene.triangles.view(),
+                scene.attributes.view(),
+                scene.materials.view(),
+                scene.lights.view(),
+                scene.texels.view(),
+                pool.kept.view(),
+                pool.queues.view(),
+                pool.goes_on.view(),
+                pool.rows.view(),
+                self.stream.contributions.slice(self.part.clone()),
+            ],
+        )
+    }
+
+    fn shadow(&self, iteration: u32) -> Launch<'a, B> {
+        let (pool, scene) = (self.pool, self.stream.scene);
+        Launch::new(
+            &kernels::shadow_queue,
+            &self.parameters(iteration),
+            vec![
+                scene.nodes.view(),
+                scene.triangles.view(),
+                pool.queues.view(),
+                pool.rows.view(),
+                self.stream.contributions.slice(self.part.clone()),
+            ],
+        )
+    }
+
+    fn compact(&self) -> [Launch<'a, B>; 3] {
+        let Wavefront { goes_on, kept, offsets, .. } = self.pool;
+        let per_block = BlockParams::per_block(self.pass.lanes);
+        let one = BlockParams::one_workgroup(self.pass.lanes);
+        [
+            Launch::new(&kernels::sum_blocks, &per_block, vec![goes_on.view(), offsets.view()]),
+            Launch::new(&kernels::scan_blocks, &one, vec![offsets.view()]),
+            Launch::new(&kernels::scatter_kept, &per_block, vec![goes_on.view(), offsets.view(), kept.view()]),
+        ]
+    }
+
+    /// `end` is the number after that of the last iteration.
+    fn finish(&self, end: u32) -> Launch<'a, B> {
+        let (pool, scene) = (self.pool, self.stream.scene);
+        Launch::new(
+            &kernels::finish_queue,
+            &self.parameters(end),
+            vec![
+                self.stream.slots.slice(self.part.clone()),
+                scene.nodes.view(),
+                scene.triangles.view(),
+                scene.attributes.view(),
+                scene.materials.view(),
+                scene.lights.view(),
+                scene.texels.view(),
+                pool.kept.view(),
+                pool.offsets.view(),
+                pool.queues.view(),
+                pool.rows.view(),
+                self.stream.contributions.slice(self.part.clone()),
+            ],
+        )
+    }
+}
+
+impl<E: Executor> Integrator<E> for Wavefront<E::Buffer> {
+    fn trace<'a>(&'a self, stream: &StreamBuffers<'a, E::Buffer>, part: Range<u32>) -> Vec<Launch<'a, E::Buffer>> {
+        let slots = part.start as usize..part.end as usize;
+        let passes = self.passes(stream, &part);
+        passes.iter().flat_map(|pass| Launcher { pool: self, stream, part: slots.clone(), pass }.all()).collect()
+    }
+
+    fn active_paths(
+        &self,
+        executor: &E,
+        stream: &StreamBuffers<'_, E::Buffer>,
+        part: Range<u32>,
+    ) -> Result<Vec<u32>, ExecError> {
+        let iterations = self.passes(stream, &part).last().map_or(0, |pass| pass.iterations.end) as usize;
+        let queues = self.queues.read_range(executor, 0..iterations)?;
+        Ok(queues.into_iter().map(|queue| queue.active).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn compaction_takes_pool_after_pool_and_streaming_all_at_once() {
+        let pass = |slots, lanes, iterations| Pass { slots, lanes, iterations, leaves_paths: false };
+        assert_eq!(Pass::all(64, 64, false, 3), [pass(0..64, 64, 0..3)]);
+        assert_eq!(Pass::all(100, 64, false, 8), [pass(0..64, 64, 0..8), pass(64..100, 36, 8..16)]);
+        assert_eq!(Pass::all(100, 64, true, 8), [pass(0..100, 64, 0..16)]);
+        assert_eq!(Pass::all(10, 64, true, 8), [pass(0..10, 10, 0..8)]);
+        assert_eq!(Pass::all(10, 64, true, 1), [pass(0..10, 10, 0..1)]);
+    }
+
+    #[test]
+    fn few_iterations_for_long_paths() {
+        for (regenerates, iterations) in [(false, 4 * 24), (true, 24 + 3 * 8)] {
+            for max_depth in [1000, u32::MAX] {
+                let passes = Pass::all(256, 64, regenerates, max_depth);
+                assert_eq!(passes.last().unwrap().iterations.end, iterations);
+                assert!(passes.iter().all(|pass| pass.leaves_paths));
+            }
+        }
+    }
+}

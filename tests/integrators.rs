@@ -1,0 +1,9 @@
+//! Integrators: the contribution of every slot is that of the megakernel, bit for bit on the CPU, whatever the stream and the pool; on the GPU as
+//! far as its compiler treats two kernels alike.
+
+mod common;
+
+#[path = "integrators/slots.rs"]
+mod slots;
+#[path = "integrators/tracing.rs"]
+mod tracing;
