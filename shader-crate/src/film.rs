@@ -83,13 +83,6 @@ impl FilmPixel {
         }
         self.samples += 1;
     }
-
-    #[inline(always)]
-    fn add_if(&mut self, wanted: bool, contribution: &Contribution) {
-        if wanted {
-            self.add(contribution);
-        }
-    }
 }
 
 /// Kernel: adds to the pixel `lane` of a window its run of contributions, in slot order.
@@ -102,22 +95,24 @@ pub fn accumulate_runs(lane: u32, window: &RunWindow, starts: &[u32], contributi
         return;
     }
     let mut pixel = *film;
-    // Sums must be taken in order, but loads need not wait for them: a run takes as long as its loads, one after the other. So eight are loaded at
-    // a time, of which the last is repeated where there are fewer.
-    let last = end - 1;
-    while slot < end {
-        let next = |number: u32| contributions.get((slot + number).min(last));
+    // Sums must be taken in order, but loads need not wait for them: a long run takes as long as its loads, one after the other.
+    while end - slot >= 8 {
+        let next = |number: u32| contributions.get(slot + number);
         let (a, b, c, d) = (next(0), next(1), next(2), next(3));
         let (e, f, g, h) = (next(4), next(5), next(6), next(7));
         pixel.add(&a);
-        pixel.add_if(slot < last, &b);
-        pixel.add_if(slot + 1 < last, &c);
-        pixel.add_if(slot + 2 < last, &d);
-        pixel.add_if(slot + 3 < last, &e);
-        pixel.add_if(slot + 4 < last, &f);
-        pixel.add_if(slot + 5 < last, &g);
-        pixel.add_if(slot + 6 < last, &h);
+        pixel.add(&b);
+        pixel.add(&c);
+        pixel.add(&d);
+        pixel.add(&e);
+        pixel.add(&f);
+        pixel.add(&g);
+        pixel.add(&h);
         slot += 8;
+    }
+    while slot < end {
+        pixel.add(&contributions.get(slot));
+        slot += 1;
     }
     *film = pixel;
 }
