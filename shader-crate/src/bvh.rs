@@ -14,7 +14,7 @@
 //! child still to visit, k its place in the order in which this ray's octant visits children, nearest highest. A **triangle group** is (first
 //! triangle, a bit for each triangle still to test).
 
-use crate::access::{at, local_mut};
+use crate::access::{at, local_mut, scratch};
 use crate::glam::{UVec2, UVec4, Vec3, Vec4};
 use crate::ray::{Hit, Ray};
 use crate::triangle::TriangleView;
@@ -71,11 +71,12 @@ impl<'a> BvhView<'a> {
     fn traverse<const ANY_HIT: bool>(&self, ray: &Ray) -> Hit {
         let local = BoxRay::new(ray);
         let mut hit = Hit::miss(ray.t_max);
-        let mut stack: [UVec2; MAX_DEPTH as usize] = crate::access::scratch();
+        let mut stack = scratch::<UVec2, { MAX_DEPTH as usize }>();
         let mut stacked = 0;
         // As if the root were the only child of a node above it.
         let mut group = UVec2::new(0, 0x8000_0000);
-        loop {
+        let mut is_last = false;
+        while !is_last {
             let place = 31 - group.y.leading_zeros();
             let inner_mask = group.y;
             group.y &= !(1 << place);
@@ -88,32 +89,38 @@ impl<'a> BvhView<'a> {
             let node = self.node(group.x + preceding);
             let hits = local.intersect(&node, hit.t);
             group = UVec2::new(node.first_child(), hits & PENDING | node.inner_mask());
-
-            let mut triangles = hits & !PENDING;
-            while triangles != 0 {
-                let offset = triangles.trailing_zeros();
-                triangles &= triangles - 1;
-                let index = node.first_triangle() + offset;
-                let (t, u, v) = self.triangles.get(index).intersect(ray.origin, ray.direction);
-                if t > 0.0 && t < hit.t {
-                    hit = Hit { t, u, v, triangle: index };
-                    if ANY_HIT {
-                        // Nothing is left to do. (To return from here, out of two loops, costs the GPU more.)
-                        triangles = 0;
-                        group.y = 0;
-                        stacked = 0;
-                    }
-                }
-            }
-
             if group.y & PENDING == 0 {
                 if stacked == 0 {
-                    return hit;
+                    is_last = true;
+                } else {
+                    stacked -= 1;
+                    group = *local_mut(&mut stack, stacked);
                 }
-                stacked -= 1;
-                group = *local_mut(&mut stack, stacked);
+            }
+
+            let mut triangles = hits & !PENDING;
+            if triangles != 0 {
+                let mut index = node.first_triangle() + triangles.trailing_zeros();
+                let mut triangle = self.triangles.get(index);
+                while triangles != 0 {
+                    triangles &= triangles - 1;
+                    // The next one is loaded before this one is tested, so that its test need not wait for memory.
+                    let next = if triangles != 0 { node.first_triangle() + triangles.trailing_zeros() } else { index };
+                    let next_triangle = self.triangles.get(next);
+                    let (t, u, v) = triangle.intersect(ray.origin, ray.direction);
+                    if t > 0.0 && t < hit.t {
+                        hit = Hit { t, u, v, triangle: index };
+                        if ANY_HIT {
+                            // Nothing is left to do. (To return from here, out of two loops, costs a GPU more.)
+                            triangles = 0;
+                            is_last = true;
+                        }
+                    }
+                    (index, triangle) = (next, next_triangle);
+                }
             }
         }
+        hit
     }
 
     fn node(&self, index: u32) -> Node {

@@ -44,7 +44,7 @@ pub enum BenchError {
 }
 
 /// A device that has been idle runs slowly at first: a GPU at a sixth of its clock.
-const WARM_UP: Duration = Duration::from_millis(300);
+const WARM_UP: Duration = Duration::from_millis(1000);
 
 /// Repeats `work`, at least once, until the device has had time to reach its speed.
 fn warm_up<E>(mut work: impl FnMut() -> Result<(), E>) -> Result<(), E> {
