@@ -87,8 +87,7 @@ mod tests {
         lengths.extend([2, 2, 0]);
         let lanes = |active, held| Lanes { active, held };
         assert_eq!(megakernel(&lengths), [lanes(34, 35), lanes(3, 35), lanes(1, 32)]);
-        assert_eq!(megakernel(&[]), []);
-        assert_eq!(megakernel(&[0, 0]), []);
+        assert!(megakernel(&[]).is_empty() && megakernel(&[0, 0]).is_empty());
     }
 
     #[test]
@@ -99,9 +98,9 @@ mod tests {
         // Lane 0: 3, then 2; lane 1: 1, 1, 1, 4.
         assert_eq!(active(&[3, 1, 1, 0, 1, 2, 4], 2), [2, 2, 2, 2, 2, 1, 1]);
         assert_eq!(active(&[3, 1, 2], 8), [3, 2, 1]);
-        assert_eq!(active(&[], 8), []);
+        assert!(active(&[], 8).is_empty());
         // No segment is lost.
         let lengths: Vec<u32> = (0..1000).map(|k| raystream_shaders::sampler::hash(k) % 9).collect();
-        assert_eq!(active(&lengths, 60).iter().sum::<u64>(), lengths.iter().map(|&l| u64::from(l)).sum());
+        assert_eq!(active(&lengths, 60).iter().sum::<u64>(), lengths.iter().map(|&l| u64::from(l)).sum::<u64>());
     }
 }

@@ -16,6 +16,9 @@ use std::ops::Range;
 /// than a stream is long.
 const STREAMING_POOL: u32 = 1 << 20;
 
+/// A pool that must be replaced more often than this until a stream ends would take thousands of launches: then there is not enough memory.
+const MOST_REPLACEMENTS: u32 = 16;
+
 /// Iterations that are made at most for the paths that start last. Few are as long, so the rest is left to one launch that walks each to its end.
 const LONGEST_TAIL: u32 = 24;
 /// Iterations that are made at most, on average, to replace all paths of the pool once by new ones.
@@ -87,7 +90,7 @@ impl<B> Wavefront<B> {
         Self::of_capacity(executor, stream, stream.min(STREAMING_POOL), true)
     }
 
-    /// A pool of `capacity` paths, or of as many as the device has room for.
+    /// A pool of `capacity` paths, or half as many, and so on, until the device has room for it. Beyond [`MOST_REPLACEMENTS`] it is an error.
     pub fn of_capacity<E: Executor<Buffer = B>>(
         executor: &E,
         stream: u32,
@@ -96,9 +99,10 @@ impl<B> Wavefront<B> {
     ) -> Result<Self, ExecError> {
         let fitting = executor.limits().buffer_bytes / (u64::from(POOL_ROWS) * size_of::<UVec4>() as u64);
         let mut capacity = u64::from(capacity).min(fitting).max(1) as u32;
+        let smallest = (stream / MOST_REPLACEMENTS).max(4 * WINDOW_ALIGNMENT);
         loop {
             match Self::allocate(executor, stream, capacity, regenerates) {
-                Err(ExecError::OutOfMemory { .. }) if capacity > 4 * WINDOW_ALIGNMENT => capacity /= 2,
+                Err(ExecError::OutOfMemory { .. }) if capacity > smallest => capacity /= 2,
                 done => return done,
             }
         }
