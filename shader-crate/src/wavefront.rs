@@ -255,20 +255,19 @@ pub fn finish_queue(
     let mut next_slot = queues[params.iteration as usize - 1].next_slot + lane;
     let mut survives = lane < params.survivors(offsets);
     while survives || next_slot < params.end_slot {
-        let (mut path, number) = if survives {
-            (pool.path(rows, kept[lane as usize]), pool.segment(rows, kept[lane as usize]).1)
-        } else {
-            let number = next_slot;
+        let number = if survives { pool.segment(rows, kept[lane as usize]).1 } else { next_slot };
+        if !survives {
             next_slot += params.threads;
-            let slot = slots[number as usize];
-            if slot.rank == NO_PIXEL {
-                contributions.set(number, Contribution::NOTHING);
-                continue;
-            }
-            (Path::begin(&params.path, slot, &numbers_of(&params.path, slot)), number)
-        };
+        }
+        let slot = slots[number as usize];
+        if slot.rank == NO_PIXEL {
+            contributions.set(number, Contribution::NOTHING);
+            continue;
+        }
+        let numbers = numbers_of(&params.path, slot);
+        let mut path =
+            if survives { pool.path(rows, kept[lane as usize]) } else { Path::begin(&params.path, slot, &numbers) };
         survives = false;
-        let numbers = numbers_of(&params.path, slots[number as usize]);
         while path.extend(&params.path, &scene, &lights, &numbers) {}
         contributions.set(number, path.contribution());
     }
