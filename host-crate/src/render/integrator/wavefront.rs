@@ -1,7 +1,7 @@
 //! The integrators `compaction` and `streaming`: a pool of paths that all advance by a segment at a time.
 //!
 //! What an iteration's launches do is told in [`raystream_shaders::wavefront`]. Here is how many there are. Nothing is read back on the way, so it must
-//! not depend on how long paths turn out to be: see [`Pass`].
+//! not depend on how long paths turn out to be: see `passes.rs`.
 
 use super::passes::Pass;
 use super::{Integrator, StreamBuffers};
@@ -50,7 +50,7 @@ impl<B> Wavefront<B> {
         Self::of_capacity(executor, stream, stream.min(STREAMING_POOL), true)
     }
 
-    /// A pool of `capacity` paths, or half as many, and so on, until the device has room for it. Beyond [`MOST_REPLACEMENTS`] it is an error.
+    /// A pool of `capacity` paths, or half as many, and so on, until the device has room for it. Less than a sixteenth of the stream is an error.
     pub fn of_capacity<E: Executor<Buffer = B>>(
         executor: &E,
         stream: u32,
