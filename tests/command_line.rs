@@ -7,6 +7,8 @@ mod commands;
 mod common;
 #[path = "command_line/convergence.rs"]
 mod convergence;
+#[path = "command_line/integrators.rs"]
+mod integrators;
 #[path = "command_line/interrupt.rs"]
 mod interrupt;
 #[path = "command_line/memory.rs"]

@@ -139,19 +139,22 @@ pub struct Bounce {
     pub goes_on: bool,
 }
 
-/// Light from a sampled point, not yet known to be visible.
+/// Light from a sampled point, not yet known to be visible. 48 bytes: naga takes a struct with vectors for a multiple of 16 bytes long, also inside another.
 #[derive(Clone, Copy)]
+#[repr(C)]
 pub struct SampledLight {
-    /// From the surface to the point; `t_max` is 0 where no point was sampled.
+    /// From the surface to the point.
     pub segment: Ray,
     /// What it adds to the path's radiance if nothing occludes the segment.
     pub radiance: Vec3,
+    /// 1 if there is any, else 0.
+    count: u32,
 }
 
 impl SampledLight {
     /// No point was sampled, or one that cannot light the surface.
     pub fn none() -> Self {
-        Self { segment: Ray::segment(Vec3::ZERO, Vec3::ZERO, 0.0), radiance: Vec3::ZERO }
+        Self { segment: Ray::segment(Vec3::ZERO, Vec3::ZERO, 0.0), radiance: Vec3::ZERO, count: 0 }
     }
 
     /// The segment of this origin and direction, as one that is to be tested.
@@ -161,7 +164,7 @@ impl SampledLight {
 
     /// Whether there is a segment to test.
     pub fn is_some(&self) -> bool {
-        self.segment.t_max > 0.0
+        self.count == 1
     }
 }
 
@@ -227,7 +230,7 @@ impl Path {
         if surface.material.kind == DIFFUSE && params.techniques != BSDF_SAMPLING_ALONE && !lights.is_empty() {
             let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
             light = self.sample_light(params, scene.offset_roundings, lights, &surface, choice, point);
-            self.rays += light.is_some() as u32;
+            self.rays += light.count;
         }
         let sample =
             sample_bsdf(&surface, self.ray.direction, numbers.pair(of_vertex(vertex, BSDF)), unit_float(choice));
@@ -292,7 +295,11 @@ impl Path {
         }
         .offset_towards(light.normal);
         let reflected = surface.material.reflectance * light.radiance * (bsdf_pdf / pdf);
-        SampledLight { segment: SampledLight::segment(from, to - from), radiance: self.throughput * reflected * weight }
+        SampledLight {
+            segment: SampledLight::segment(from, to - from),
+            radiance: self.throughput * reflected * weight,
+            count: 1,
+        }
     }
 
     /// What the path, which has ended, makes of its slot.

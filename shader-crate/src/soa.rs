@@ -2,7 +2,7 @@
 //!
 //! Lanes of a workgroup that each load the same field of neighbouring structs should read neighbouring words, and as many at once as the
 //! device can: four. So a struct that many lanes keep is cut into **rows** of a `UVec4`, a vector and a word each, and row
-//! `r` of struct `i` of a table of `n` is element `r * n + i`. [`soa!`] declares such a struct and makes its loads and stores.
+//! `r` of struct `i` of a table of `n` is element `r * n + i`. `soa!` declares such a struct and makes its loads and stores.
 
 /// A word of a row.
 pub trait Word {

@@ -24,14 +24,13 @@ use crate::access::{Scatter, at};
 use crate::bvh::BvhView;
 use crate::device_struct;
 use crate::film::Contribution;
-use crate::glam::{UVec4, Vec3};
+use crate::glam::UVec4;
 use crate::light::{Light, LightView};
 use crate::material::Material;
 use crate::path::{Path, PathParams, SampledLight, camera_ray, contribution, numbers_of};
+use crate::pool::{ENDS, Gathered, NO_LIGHT, Pool};
 use crate::prefix::BLOCK;
-use crate::ray::{Hit, Ray};
 use crate::scene::SceneView;
-use crate::soa::{Place, soa};
 use crate::stream::{NO_PIXEL, Slot};
 use crate::surface::Attributes;
 use crate::texture::TextureView;
@@ -74,79 +73,9 @@ device_struct! {
     }
 }
 
-soa! {
-    /// The next segment of a path.
-    struct Ahead {
-        origin: Vec3, pdf: f32;
-        direction: Vec3, slot: u32;
-    }
-}
-
-soa! {
-    /// What a path carries along.
-    struct Carried {
-        throughput: Vec3, depth: u32;
-    }
-}
-
-soa! {
-    /// What a path has brought so far.
-    struct Gathered {
-        radiance: Vec3, rays: u32;
-    }
-}
-
-soa! {
-    /// What a segment hit: its length and the barycentric coordinates.
-    struct Found {
-        coordinates: Vec3, triangle: u32;
-    }
-}
-
-soa! {
-    /// Sampled light at the end of a segment.
-    struct Arriving {
-        radiance: Vec3, fate: u32;
-    }
-}
-
-soa! {
-    /// The segment to where it was sampled.
-    struct Shadow {
-        origin: Vec3, slot: u32;
-        direction: Vec3, pad: u32;
-    }
-}
-
-/// [`Arriving::fate`]: there is no light to test.
-const NOTHING_ARRIVES: u32 = 0;
-/// [`Arriving::fate`]: the light is for a path that goes on.
-const GOES_ON: u32 = 1;
-/// [`Arriving::fate`]: the light is the last that its path gathers.
-const ENDS: u32 = 2;
-
-/// First rows of the tables in the pool. What outlives an iteration is there twice.
-const AHEAD: u32 = 0;
-const CARRIED: u32 = AHEAD + Ahead::ROWS;
-const GATHERED: u32 = CARRIED + Carried::ROWS;
-const HALF: u32 = GATHERED + Gathered::ROWS;
-const FOUND: u32 = 2 * HALF;
-const ARRIVING: u32 = FOUND + Found::ROWS;
-const SHADOW: u32 = ARRIVING + Arriving::ROWS;
-/// Rows of 16 bytes that a pool has for each path.
-pub const POOL_ROWS: u32 = SHADOW + Shadow::ROWS;
-
 impl WavefrontParams {
-    /// Where the table that begins at `row` has what lane `lane` writes in this iteration.
-    fn own(&self, row: u32, lane: u32) -> Place {
-        let half = if row < HALF { (self.iteration & 1) * HALF } else { 0 };
-        Place { first: (half + row) * self.threads + lane, stride: self.threads }
-    }
-
-    /// Where it has what lane `lane` wrote in the iteration before; `row` is below [`HALF`].
-    fn before(&self, row: u32, lane: u32) -> Place {
-        let half = (!self.iteration & 1) * HALF;
-        Place { first: (half + row) * self.threads + lane, stride: self.threads }
+    fn pool(&self) -> Pool {
+        Pool { lanes: self.threads, iteration: self.iteration }
     }
 
     /// The paths after an iteration: `offsets` are the numbers of kept lanes before each block of lanes and, after the last, in all.
@@ -174,22 +103,6 @@ impl Queue {
     }
 }
 
-/// The path that lane `lane` wrote in the iteration before, and the number of its slot.
-fn load_path(params: &WavefrontParams, rows: &Scatter<'_, UVec4>, lane: u32) -> (Path, u32) {
-    let ahead = Ahead::load(rows, params.before(AHEAD, lane));
-    let carried = Carried::load(rows, params.before(CARRIED, lane));
-    let gathered = Gathered::load(rows, params.before(GATHERED, lane));
-    let path = Path {
-        ray: Ray::new(ahead.origin, ahead.direction),
-        depth: carried.depth,
-        throughput: carried.throughput,
-        pdf: ahead.pdf,
-        radiance: gathered.radiance,
-        rays: gathered.rays,
-    };
-    (path, ahead.slot)
-}
-
 /// Kernel: finds what the ray of lane `lane` hits. Lane 0 writes the queue down for the launches to come.
 #[allow(clippy::too_many_arguments)] // one per binding
 pub fn trace_queue(
@@ -210,19 +123,18 @@ pub fn trace_queue(
     if lane >= queue.active {
         return;
     }
+    let pool = params.pool();
     let ray = if lane < queue.survivors {
-        let ahead = Ahead::load(rows, params.before(AHEAD, at(kept, lane)));
-        Ray::new(ahead.origin, ahead.direction)
+        pool.segment(rows, at(kept, lane)).0
     } else {
+        // Camera rays are made again where they are shaded: that costs less than to keep them.
         let slot = at(slots, queue.slot(lane));
         if slot.rank == NO_PIXEL {
             return;
         }
         camera_ray(&params.path, slot, &numbers_of(&params.path, slot))
     };
-    let hit = BvhView::new(nodes, triangles).closest_hit(&ray);
-    let found = Found { coordinates: Vec3::new(hit.t, hit.u, hit.v), triangle: hit.triangle };
-    found.store(rows, params.own(FOUND, lane));
+    pool.set_hit(rows, lane, &BvhView::new(nodes, triangles).closest_hit(&ray));
 }
 
 /// Kernel: what the path of lane `lane` does at the end of its segment. `goes_on` becomes 1 if it has another one, else 0.
@@ -247,19 +159,17 @@ pub fn shade_queue(
     if lane >= queue.active {
         return;
     }
+    let pool = params.pool();
     let survives = lane < queue.survivors;
-    let number = if survives { Ahead::load(rows, params.before(AHEAD, at(kept, lane))).slot } else { queue.slot(lane) };
+    let number = if survives { pool.segment(rows, at(kept, lane)).1 } else { queue.slot(lane) };
     let slot = at(slots, number);
     if slot.rank == NO_PIXEL {
         contributions.set(number, Contribution::NOTHING);
-        store_light(params, rows, lane, number, &SampledLight::none(), false);
+        pool.set_light(rows, lane, number, &SampledLight::none(), false);
         return;
     }
     let numbers = numbers_of(&params.path, slot);
-    let mut path =
-        if survives { load_path(params, rows, at(kept, lane)).0 } else { Path::begin(&params.path, slot, &numbers) };
-    let found = Found::load(rows, params.own(FOUND, lane));
-    let hit = Hit { t: found.coordinates.x, u: found.coordinates.y, v: found.coordinates.z, triangle: found.triangle };
+    let mut path = if survives { pool.path(rows, at(kept, lane)) } else { Path::begin(&params.path, slot, &numbers) };
     let scene = SceneView {
         bvh: BvhView::of_triangles(triangles),
         attributes,
@@ -267,39 +177,17 @@ pub fn shade_queue(
         offset_roundings: params.path.offset_roundings,
         textures: TextureView::new(texels),
     };
-    let bounce = path.shade(&params.path, &scene, &LightView::new(lights, params.path.lights), &numbers, &hit);
-    store_light(params, rows, lane, number, &bounce.light, bounce.goes_on);
+    let lights = LightView::new(lights, params.path.lights);
+    let bounce = path.shade(&params.path, &scene, &lights, &numbers, &pool.hit(rows, lane));
+    pool.set_light(rows, lane, number, &bounce.light, bounce.goes_on);
     if bounce.goes_on {
         *goes_on = 1;
-        let ahead = Ahead { origin: path.ray.origin, pdf: path.pdf, direction: path.ray.direction, slot: number };
-        ahead.store(rows, params.own(AHEAD, lane));
-        Carried { throughput: path.throughput, depth: path.depth }.store(rows, params.own(CARRIED, lane));
+        pool.set_path(rows, lane, &path, number);
     }
     if bounce.goes_on || bounce.light.is_some() {
-        Gathered { radiance: path.radiance, rays: path.rays }.store(rows, params.own(GATHERED, lane));
+        pool.set_gathered(rows, lane, Gathered { radiance: path.radiance, rays: path.rays });
     } else {
         contributions.set(number, path.contribution());
-    }
-}
-
-/// Hands sampled light on to [`shadow_queue`].
-fn store_light(
-    params: &WavefrontParams,
-    rows: &mut Scatter<'_, UVec4>,
-    lane: u32,
-    slot: u32,
-    light: &SampledLight,
-    goes_on: bool,
-) {
-    let fate = match (light.is_some(), goes_on) {
-        (false, _) => NOTHING_ARRIVES,
-        (true, true) => GOES_ON,
-        (true, false) => ENDS,
-    };
-    Arriving { radiance: light.radiance, fate }.store(rows, params.own(ARRIVING, lane));
-    if light.is_some() {
-        let shadow = Shadow { origin: light.segment.origin, slot, direction: light.segment.direction, pad: 0 };
-        shadow.store(rows, params.own(SHADOW, lane));
     }
 }
 
@@ -316,21 +204,22 @@ pub fn shadow_queue(
     if lane >= at(queues, params.iteration).active {
         return;
     }
-    let arriving = Arriving::load(rows, params.own(ARRIVING, lane));
-    if arriving.fate == NOTHING_ARRIVES {
+    let pool = params.pool();
+    let arriving = pool.arriving(rows, lane);
+    if arriving.fate == NO_LIGHT {
         return;
     }
-    let shadow = Shadow::load(rows, params.own(SHADOW, lane));
-    let is_visible =
-        !BvhView::new(nodes, triangles).is_occluded(&SampledLight::segment(shadow.origin, shadow.direction));
-    let mut gathered = Gathered::load(rows, params.own(GATHERED, lane));
+    let shadow = pool.shadow(rows, lane);
+    let segment = SampledLight::segment(shadow.origin, shadow.direction);
+    let is_visible = !BvhView::new(nodes, triangles).is_occluded(&segment);
+    let mut gathered = pool.gathered(rows, lane);
     if is_visible {
         gathered.radiance += arriving.radiance;
     }
     if arriving.fate == ENDS {
         contributions.set(shadow.slot, contribution(gathered.radiance, gathered.rays));
     } else if is_visible {
-        gathered.store(rows, params.own(GATHERED, lane));
+        pool.set_gathered(rows, lane, gathered);
     }
 }
 
@@ -361,23 +250,23 @@ pub fn finish_queue(
         textures: TextureView::new(texels),
     };
     let lights = LightView::new(lights, params.path.lights);
+    let pool = params.pool();
     let mut next_slot = at(queues, params.iteration - 1).next_slot + lane;
     let mut survives = lane < params.survivors(offsets);
     while survives || next_slot < params.end_slot {
-        let (mut path, number) = if survives {
-            load_path(params, rows, at(kept, lane))
-        } else {
-            let number = next_slot;
+        let number = if survives { pool.segment(rows, at(kept, lane)).1 } else { next_slot };
+        if !survives {
             next_slot += params.threads;
-            let slot = at(slots, number);
-            if slot.rank == NO_PIXEL {
-                contributions.set(number, Contribution::NOTHING);
-                continue;
-            }
-            (Path::begin(&params.path, slot, &numbers_of(&params.path, slot)), number)
-        };
+        }
+        let slot = at(slots, number);
+        if slot.rank == NO_PIXEL {
+            contributions.set(number, Contribution::NOTHING);
+            continue;
+        }
+        let numbers = numbers_of(&params.path, slot);
+        let mut path =
+            if survives { pool.path(rows, at(kept, lane)) } else { Path::begin(&params.path, slot, &numbers) };
         survives = false;
-        let numbers = numbers_of(&params.path, at(slots, number));
         while path.extend(&params.path, &scene, &lights, &numbers) {}
         contributions.set(number, path.contribution());
     }

@@ -1,6 +1,6 @@
 //! `bench convergence` on a tiny picture.
 
-use crate::program::{Run, names, run};
+use crate::program::{Run, csv, names, run};
 use std::path::Path;
 
 const TINY: &str = "bench convergence cornell_ball@16x12 --device cpu --spp 8 --levels 4 --reference-spp 32 --repetitions 1 \
@@ -8,14 +8,6 @@ const TINY: &str = "bench convergence cornell_ball@16x12 --device cpu --spp 8 --
 
 fn tiny(folder: &Path) -> Run {
     run(folder, TINY).succeeded()
-}
-
-/// The lines of a CSV file, split into named fields.
-fn csv(path: &Path) -> Vec<std::collections::HashMap<String, String>> {
-    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
-    let header = lines.next().expect("a header");
-    lines.map(|line| header.iter().cloned().zip(line).collect()).collect()
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! Slot for slot.
 
-use super::common::with_gpu;
 use super::tracing::{Case, OTHERS, cases, integrator};
 use raystream::exec::cpu::CpuExecutor;
 use raystream::render::IntegratorKind::{self, Compaction, Streaming};
@@ -100,24 +99,4 @@ fn pools_are_full_until_the_stream_ends() {
     assert!(tail.is_sorted_by(|a, b| a >= b) && tail.iter().all(|&paths| paths < 300), "{streaming:?}");
     assert!(tail.iter().filter(|&&paths| paths > 0).count() <= 8, "{streaming:?}");
     assert!(active(IntegratorKind::Megakernel, 300).is_empty());
-}
-
-/// Each integrator is a kernel of its own to the GPU's compiler, which may fuse a product and a sum in one and not in the other. So paths may part,
-/// rarely, and the sums of all paths are the same but for these.
-#[test]
-fn contributions_are_nearly_the_megakernels_on_the_gpu() {
-    with_gpu(|gpu| {
-        for case in cases(1500) {
-            let expected = case.megakernel(gpu, case.all());
-            for kind in OTHERS {
-                for pool in [100, 1500] {
-                    let integrator = integrator(gpu, kind, 1500, pool);
-                    let found = case.trace(gpu, integrator.as_ref(), case.all()).0;
-                    let pairs = || found.iter().zip(&expected);
-                    let identical = pairs().filter(|(a, b)| bytemuck::bytes_of(*a) == bytemuck::bytes_of(*b)).count();
-                    eprintln!("{kind:?}, pool {pool}, {}: {identical} of 1500 identical", case.name);
-                }
-            }
-        }
-    });
 }

@@ -1,14 +1,37 @@
-//! Measurements: traversal ([`rays`]), whole paths ([`paths`]) and what adaptive sampling gains ([`convergence`]). Each checks its own
-//! result before it gives a figure.
+//! Measurements: traversal ([`rays`]), whole paths ([`paths`]), integrators side by side ([`integrators`]) and what adaptive sampling gains
+//! ([`convergence`]). Each checks its own result before it gives a figure.
 
 pub mod convergence;
+mod files;
+pub mod integrators;
 pub mod paths;
+mod plot;
 pub mod rays;
+mod tables;
+
+pub use files::Folder;
 
 use crate::exec::ExecError;
 use crate::image::ImageError;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+
+/// What a report is about.
+#[derive(Clone, Debug)]
+pub struct About {
+    /// What the scene is called in titles, and its folder.
+    pub label: String,
+    /// Device, size, settings ...: pairs of name and value.
+    pub facts: Vec<(String, String)>,
+}
+
+/// The tables of a scene in Markdown.
+pub struct SceneReport {
+    /// What to print.
+    pub tables: String,
+    /// The same with the plots and pictures, by their paths from the folder above that of the scene.
+    pub section: String,
+}
 
 /// What can go wrong in a measurement.
 #[derive(Debug, thiserror::Error)]

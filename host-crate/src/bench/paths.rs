@@ -18,6 +18,8 @@ pub struct PathSpeed {
     pub outcome: Outcome,
     /// Mean radiance of the picture, over its three components.
     pub mean: f64,
+    /// Standard error of the mean, by the differences of the picture's halves.
+    pub mean_error: f64,
 }
 
 /// Renders for `time`, after a short run that warms up.
@@ -57,5 +59,6 @@ pub fn measure<E: Executor>(
         rays_per_path: rays / paths,
         outcome,
         mean,
+        mean_error: error / 2.0,
     })
 }

@@ -1,6 +1,7 @@
 //! `raystream bench`
 
 use super::convergence::{self, ConvergenceArguments};
+use super::integrators::{self, IntegratorsArguments};
 use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
 use super::output::print_line;
 use super::{CliError, Ending};
@@ -19,6 +20,8 @@ pub enum BenchCommand {
     Rays(RaysArguments),
     /// Paths per second of whole renders.
     Paths(PathsArguments),
+    /// Integrators side by side: speed, memory, agreement, and how many paths are under way in each iteration.
+    Integrators(IntegratorsArguments),
     /// Error over time of adaptive and of uniform sampling: speed-ups at equal error, errors at equal time, and where the time goes.
     Convergence(ConvergenceArguments),
 }
@@ -64,6 +67,7 @@ const RAYS_SIZE: FilmSize = FilmSize { width: 1920, height: 1080 };
 pub fn run(command: &BenchCommand) -> Result<Ending, CliError> {
     match command {
         BenchCommand::Convergence(arguments) => return convergence::run(arguments),
+        BenchCommand::Integrators(arguments) => return integrators::run(arguments),
         BenchCommand::Rays(arguments) => arguments
             .common
             .for_each_scene(Some(RAYS_SIZE), |device, scene, settings| bench_rays(arguments, device, scene, settings)),

@@ -1,19 +1,19 @@
 //! `raystream bench convergence`
 
-use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_size};
+use super::entries::{self, Entry, Loaded, parse_entry};
+use super::options::{DeviceArguments, SettingsArguments};
 use super::output::{print_line, say};
 use super::progress::ProgressDisplay;
-use super::render::file_stem;
 use super::sampling::{EstimationArguments, RoundArguments};
 use super::{CliError, Ending};
 use crate::bench::convergence::{
-    About, Configuration, Folder, Identity, Plan, REFERENCE_SEEDS, Reference, SceneReport, checkpoints, measure,
-    write_scene,
+    Configuration, Identity, Plan, REFERENCE_SEEDS, Reference, checkpoints, measure, write_scene,
 };
+use crate::bench::{About, Folder, SceneReport};
 use crate::exec::Executor;
 use crate::exec::device::Device;
 use crate::render::{AllocatorKind, Estimator, PreparedScene, Settings};
-use crate::scene::{FilmSize, Scene};
+use crate::scene::Scene;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -83,25 +83,11 @@ enum ErrorMeasure {
     Relative,
 }
 
-/// A scene as it was named.
-#[derive(Clone, Debug)]
-struct Entry {
-    scene: PathBuf,
-    size: Option<FilmSize>,
-}
-
-/// A scene to measure.
-struct Loaded {
-    label: String,
-    scene: Scene,
-    settings: Settings,
-}
-
 /// Measures all scenes.
 pub fn run(arguments: &ConvergenceArguments) -> Result<Ending, CliError> {
     let levels = arguments.levels()?;
     arguments.check_seed()?;
-    let scenes = arguments.load()?;
+    let scenes = entries::load(&arguments.scenes, &arguments.settings)?;
     let cache = Folder::create(&arguments.cache_folder()?)?;
     let output = Folder::create(&arguments.output)?;
     let device = arguments.device.open()?;
@@ -160,25 +146,6 @@ impl ConvergenceArguments {
             return Err(format!("--seed {seed}: the reference has one of the seeds from here on; choose a lower one"));
         }
         Ok(())
-    }
-
-    fn load(&self) -> Result<Vec<Loaded>, CliError> {
-        let mut scenes: Vec<Loaded> = Vec::new();
-        for entry in &self.scenes {
-            let mut scene = load_scene(&entry.scene)?;
-            let settings = self.settings.settings(&scene);
-            let settings = Settings { size: entry.size.unwrap_or(settings.size), ..settings };
-            scene.film = settings.size;
-            let label = entry.label();
-            if scenes.iter().any(|other| other.label == label) {
-                return Err(format!(
-                    "the results of two scenes would go to {label}; name each scene once, or a copy under another name"
-                )
-                .into());
-            }
-            scenes.push(Loaded { label, scene, settings });
-        }
-        Ok(scenes)
     }
 
     fn configurations(&self) -> Vec<Configuration> {
@@ -268,46 +235,5 @@ impl ConvergenceArguments {
         facts.extend(self.settings.describe(settings));
         facts.push(fact("version", env!("CARGO_PKG_VERSION").into()));
         About { label: label.to_owned(), facts }
-    }
-}
-
-impl Entry {
-    /// A name for folders and titles: `cornell_ball`, `cornell_ball@600x600`.
-    fn label(&self) -> String {
-        let stem = file_stem(&self.scene.file_stem().unwrap_or_default().to_string_lossy());
-        match self.size {
-            Some(size) => format!("{stem}@{}x{}", size.width, size.height),
-            None => stem,
-        }
-    }
-}
-
-/// A scene's name or file, and what follows the last `@` if it looks like a size.
-fn parse_entry(text: &str) -> Result<Entry, String> {
-    let looks_like_size = |text: &str| {
-        text.starts_with(|c: char| c.is_ascii_digit())
-            && text.chars().all(|c| c.is_ascii_digit() || matches!(c, 'x' | 'X'))
-    };
-    match text.rsplit_once('@') {
-        Some((scene, size)) if looks_like_size(size) => {
-            Ok(Entry { scene: scene.into(), size: Some(parse_size(size)?) })
-        }
-        _ => Ok(Entry { scene: text.into(), size: None }),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn entries_may_have_a_size() {
-        let entry = |text: &str| parse_entry(text).map(|e| (e.label(), e.size.map(|s| (s.width, s.height))));
-        assert_eq!(entry("cornell_ball"), Ok(("cornell_ball".into(), None)));
-        assert_eq!(entry("cornell_ball@60x50"), Ok(("cornell_ball@60x50".into(), Some((60, 50)))));
-        assert_eq!(entry("a@b/my scene.json"), Ok(("my scene".into(), None)));
-        assert_eq!(entry("a@b/c.json@1X2"), Ok(("c@1x2".into(), Some((1, 2)))));
-        assert!(entry("cornell_ball@600").unwrap_err().contains("WIDTHxHEIGHT"));
-        assert!(entry("cornell_ball@0x600").unwrap_err().contains("width"));
     }
 }

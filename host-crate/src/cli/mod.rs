@@ -4,6 +4,8 @@ mod bench;
 mod compare;
 mod convergence;
 mod devices;
+mod entries;
+mod integrators;
 mod options;
 mod output;
 mod progress;

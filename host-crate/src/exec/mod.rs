@@ -5,6 +5,7 @@
 //! is generic over the trait and exists once.
 
 pub mod array;
+pub mod counting;
 pub mod cpu;
 pub mod device;
 pub mod gpu;
@@ -14,6 +15,7 @@ mod native;
 use std::time::Duration;
 
 pub use array::Array;
+pub use counting::Counting;
 pub use kernels::{Access, Binding, Kernel};
 
 /// Runs kernels over buffers that it owns.

@@ -1,12 +1,12 @@
 //! What every configuration has to show after the same time, and its errors.
 
 use super::errors::squared_errors;
-use super::files::Folder;
 use super::reference::Reference;
 use super::render::render_to;
 use super::speedup::samples_at;
 use super::{Errors, Measurement, Plan};
 use crate::bench::BenchError;
+use crate::bench::files::Folder;
 use crate::exec::Executor;
 use crate::image::{ColorImage, Display, write_color_map, write_png};
 use crate::render::{PreparedScene, Settings};

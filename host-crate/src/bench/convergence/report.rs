@@ -1,33 +1,17 @@
 //! Everything that was measured of a scene, as files and as tables to read.
 
-use super::files::Folder;
 use super::pictures::{self, Pictures};
-use super::plot::{self, Curve};
 use super::reference::Reference;
 use super::rounds::{Breakdown, millions_per_second, parts};
 use super::speedup::{Comparisons, Metric, REFERENCE_MARGIN, SMALLEST_FROM};
-use super::tables::{Column, csv, curve_rows, markdown, round_rows};
+use super::tables::{curve_rows, round_rows};
 use super::{Measurement, Plan};
-use crate::bench::BenchError;
+use crate::bench::files::Folder;
+use crate::bench::plot::{self, Curve};
+use crate::bench::tables::{Column, csv, markdown};
+use crate::bench::{About, BenchError, SceneReport};
 use crate::exec::Executor;
 use crate::render::{PreparedScene, Settings};
-
-/// What a report is about.
-#[derive(Clone, Debug)]
-pub struct About {
-    /// What the scene is called in titles, and its folder.
-    pub label: String,
-    /// Device, size, settings ...: pairs of name and value.
-    pub facts: Vec<(String, String)>,
-}
-
-/// The tables of a scene in Markdown.
-pub struct SceneReport {
-    /// What to print.
-    pub tables: String,
-    /// The same with the plots and pictures, by their paths from the folder above that of the scene.
-    pub section: String,
-}
 
 /// Writes `curves.csv`, `rounds.csv`, `speedups.csv`, `equal_time.csv`, `smallest.csv`, the plots and the pictures of a scene to
 /// `folder`, and returns what to tell of it.

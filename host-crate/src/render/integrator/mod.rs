@@ -10,6 +10,7 @@
 //! All of them call the same functions of [`raystream_shaders::path`], which do the same arithmetic in the same order.
 
 pub mod megakernel;
+mod passes;
 pub mod regeneration;
 pub mod wavefront;
 

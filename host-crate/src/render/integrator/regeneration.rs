@@ -8,7 +8,7 @@ use raystream_shaders::stream::RunWindow;
 use std::ops::Range;
 
 /// More threads than any device holds at once. Those that start late find no slot left.
-const RESIDENT: u32 = 1 << 18;
+pub const RESIDENT: u32 = 1 << 18;
 
 /// Threads of a launch over `slots` slots of paths of at most `max_depth` segments: enough to take all, however long paths turn out to be.
 fn threads(slots: u32, max_depth: u32) -> u32 {

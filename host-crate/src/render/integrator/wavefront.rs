@@ -1,25 +1,25 @@
 //! The integrators `compaction` and `streaming`: a pool of paths that all advance by a segment at a time.
 //!
 //! What an iteration's launches do is told in [`raystream_shaders::wavefront`]. Here is how many there are. Nothing is read back on the way, so it must
-//! not depend on how long paths turn out to be: see [`Pass`].
+//! not depend on how long paths turn out to be: see `passes.rs`.
 
+use super::passes::Pass;
 use super::{Integrator, StreamBuffers};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::WINDOW_ALIGNMENT;
 use bytemuck::Zeroable;
 use glam::UVec4;
+use raystream_shaders::pool::POOL_ROWS;
 use raystream_shaders::prefix::BlockParams;
-use raystream_shaders::wavefront::{POOL_ROWS, Queue, WavefrontParams};
+use raystream_shaders::wavefront::{Queue, WavefrontParams};
 use std::ops::Range;
 
 /// Paths in the pool of `streaming`, at most: enough to fill any GPU, few enough that their states stay near the processor. `compaction` needs no larger pool
 /// than a stream is long.
 const STREAMING_POOL: u32 = 1 << 20;
 
-/// Iterations that are made at most for the paths that start last. Few are as long, so the rest is left to one launch that walks each to its end.
-const LONGEST_TAIL: u32 = 24;
-/// Iterations that are made at most, on average, to replace all paths of the pool once by new ones.
-const REPLACEMENT: u32 = 8;
+/// A pool that must be replaced more often than this until a stream ends would take thousands of launches: then there is not enough memory.
+const MOST_REPLACEMENTS: u32 = 16;
 
 /// See the [module](self).
 pub struct Wavefront<B> {
@@ -39,43 +39,6 @@ pub struct Wavefront<B> {
     queues: Array<B, Queue>,
 }
 
-/// Iterations over a pool that take a range of slots from their first to their last segments.
-///
-/// Where paths are regenerated, the pool is full as long as there are slots. Of `D` iterations each path sees its end, so within every `D` all of the pool are
-/// replaced, and with `ceil(slots / pool)` pools full of slots `D * ceil(slots / pool)` iterations are always enough. For long paths these would be thousands
-/// of launches for a few that are as long. Then there are fewer, and one launch more that finishes what is left.
-#[derive(Clone, Debug, PartialEq)]
-struct Pass {
-    slots: Range<u32>,
-    /// Lanes of every launch.
-    lanes: u32,
-    /// Numbers of the iterations.
-    iterations: Range<u32>,
-    /// Whether a launch must finish what is left.
-    leaves_paths: bool,
-}
-
-impl Pass {
-    /// The passes over `slots` slots of paths of at most `max_depth` segments.
-    fn all(slots: u32, capacity: u32, regenerates: bool, max_depth: u32) -> Vec<Self> {
-        let longest = if regenerates { slots } else { capacity };
-        let mut passes: Vec<Self> = Vec::new();
-        let mut start = 0;
-        while start < slots {
-            let end = slots.min(start.saturating_add(longest));
-            let lanes = (end - start).min(capacity);
-            let replacements = (end - start).div_ceil(lanes) - 1;
-            let enough = max_depth.saturating_mul(1 + replacements);
-            let made = enough.min(max_depth.min(LONGEST_TAIL) + replacements * max_depth.min(REPLACEMENT));
-            let first = passes.last().map_or(0, |pass| pass.iterations.end);
-            let iterations = first..first + made;
-            passes.push(Self { slots: start..end, lanes, iterations, leaves_paths: made < enough });
-            start = end;
-        }
-        passes
-    }
-}
-
 impl<B> Wavefront<B> {
     /// Removes terminated paths; for streams of at most `stream` slots.
     pub fn compaction<E: Executor<Buffer = B>>(executor: &E, stream: u32) -> Result<Self, ExecError> {
@@ -87,7 +50,7 @@ impl<B> Wavefront<B> {
         Self::of_capacity(executor, stream, stream.min(STREAMING_POOL), true)
     }
 
-    /// A pool of `capacity` paths, or of as many as the device has room for.
+    /// A pool of `capacity` paths, or half as many, and so on, until the device has room for it. Less than a sixteenth of the stream is an error.
     pub fn of_capacity<E: Executor<Buffer = B>>(
         executor: &E,
         stream: u32,
@@ -96,9 +59,10 @@ impl<B> Wavefront<B> {
     ) -> Result<Self, ExecError> {
         let fitting = executor.limits().buffer_bytes / (u64::from(POOL_ROWS) * size_of::<UVec4>() as u64);
         let mut capacity = u64::from(capacity).min(fitting).max(1) as u32;
+        let smallest = (stream / MOST_REPLACEMENTS).max(4 * WINDOW_ALIGNMENT);
         loop {
             match Self::allocate(executor, stream, capacity, regenerates) {
-                Err(ExecError::OutOfMemory { .. }) if capacity > 4 * WINDOW_ALIGNMENT => capacity /= 2,
+                Err(ExecError::OutOfMemory { .. }) if capacity > smallest => capacity /= 2,
                 done => return done,
             }
         }
@@ -274,31 +238,5 @@ impl<E: Executor> Integrator<E> for Wavefront<E::Buffer> {
         let iterations = self.passes(stream, &part).last().map_or(0, |pass| pass.iterations.end) as usize;
         let queues = self.queues.read_range(executor, 0..iterations)?;
         Ok(queues.into_iter().map(|queue| queue.active).collect())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn compaction_takes_pool_after_pool_and_streaming_all_at_once() {
-        let pass = |slots, lanes, iterations| Pass { slots, lanes, iterations, leaves_paths: false };
-        assert_eq!(Pass::all(64, 64, false, 3), [pass(0..64, 64, 0..3)]);
-        assert_eq!(Pass::all(100, 64, false, 8), [pass(0..64, 64, 0..8), pass(64..100, 36, 8..16)]);
-        assert_eq!(Pass::all(100, 64, true, 8), [pass(0..100, 64, 0..16)]);
-        assert_eq!(Pass::all(10, 64, true, 8), [pass(0..10, 10, 0..8)]);
-        assert_eq!(Pass::all(10, 64, true, 1), [pass(0..10, 10, 0..1)]);
-    }
-
-    #[test]
-    fn few_iterations_for_long_paths() {
-        for (regenerates, iterations) in [(false, 4 * 24), (true, 24 + 3 * 8)] {
-            for max_depth in [1000, u32::MAX] {
-                let passes = Pass::all(256, 64, regenerates, max_depth);
-                assert_eq!(passes.last().unwrap().iterations.end, iterations);
-                assert!(passes.iter().all(|pass| pass.leaves_paths));
-            }
-        }
     }
 }

@@ -1,7 +1,8 @@
 //! Plots as SVG.
 
-use crate::bench::BenchError;
+use super::BenchError;
 use plotters::chart::SeriesLabelPosition;
+use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
 
 const SIZE: (u32, u32) = (960, 640);
@@ -34,47 +35,100 @@ fn draw_curves(
     {
         let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
         root.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(&root)
-            .caption(title, (FONT, 22))
-            .margin(14)
-            .x_label_area_size(48)
-            .y_label_area_size(76)
-            .build_cartesian_2d(
-                x_range.clone().log_scale().with_key_points(ticks(&x_range)),
-                y_range.clone().log_scale().with_key_points(ticks(&y_range)),
-            )?;
-        chart
-            .configure_mesh()
-            .x_desc(x_title)
-            .y_desc(y_title)
-            .x_labels(MAX_TICKS)
-            .y_labels(MAX_TICKS)
-            .x_label_formatter(&|x| tick(*x))
-            .y_label_formatter(&|y| tick(*y))
-            .label_style((FONT, 14))
-            .axis_desc_style((FONT, 16))
-            .light_line_style(RGBColor(235, 235, 235))
-            .bold_line_style(RGBColor(205, 205, 205))
-            .draw()?;
-        for (index, (name, points)) in curves.iter().enumerate() {
-            let color = color(index);
-            let style = color.stroke_width(2);
-            chart
-                .draw_series(LineSeries::new(points.iter().copied(), style))?
-                .label(name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
-            chart.draw_series(points.iter().map(|&point| Circle::new(point, 3, color.filled())))?;
-        }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(160, 160, 160))
-            .label_font((FONT, 14))
-            .draw()?;
+        let mut chart = chart_builder(&root, title).build_cartesian_2d(
+            x_range.clone().log_scale().with_key_points(ticks(&x_range)),
+            y_range.clone().log_scale().with_key_points(ticks(&y_range)),
+        )?;
+        draw_series(&mut chart, x_title, y_title, MAX_TICKS, &curves, true)?;
         root.present()?;
     }
     Ok(svg.into_bytes())
+}
+
+/// Lines in linear scale, from 0 on.
+pub fn lines(title: &str, x_title: &str, y_title: &str, lines: &[Curve]) -> Result<Vec<u8>, BenchError> {
+    draw_lines(title, x_title, y_title, lines)
+        .map_err(|error| BenchError::Report { what: format!("the plot '{title}'"), reason: error.to_string() })
+}
+
+fn draw_lines(
+    title: &str,
+    x_title: &str,
+    y_title: &str,
+    lines: &[Curve],
+) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let largest = |coordinate: fn(&(f64, f64)) -> f64| {
+        lines.iter().flat_map(|(_, points)| points).map(coordinate).filter(|c| c.is_finite()).fold(0.0, f64::max)
+    };
+    let end = |largest: f64| if largest > 0.0 { 1.05 * largest } else { 1.0 };
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        let mut chart =
+            chart_builder(&root, title).build_cartesian_2d(0.0..end(largest(|p| p.0)), 0.0..end(largest(|p| p.1)))?;
+        draw_series(&mut chart, x_title, y_title, LINEAR_TICKS, lines, false)?;
+        root.present()?;
+    }
+    Ok(svg.into_bytes())
+}
+
+/// Ticks of an axis in linear scale.
+const LINEAR_TICKS: usize = 10;
+
+type Root<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+fn chart_builder<'a, 'b>(root: &'a Root<'b>, title: &str) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
+    let mut builder = ChartBuilder::on(root);
+    builder.caption(title, (FONT, 22)).margin(14).x_label_area_size(48).y_label_area_size(76);
+    builder
+}
+
+/// Draws the axes, the curves, with a mark for each point if `marks`, and their names.
+fn draw_series<'a, X, Y>(
+    chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>,
+    x_title: &str,
+    y_title: &str,
+    ticks: usize,
+    curves: &[Curve],
+    marks: bool,
+) -> Result<(), Box<dyn std::error::Error>>
+where
+    X: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
+    Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
+{
+    chart
+        .configure_mesh()
+        .x_desc(x_title)
+        .y_desc(y_title)
+        .x_labels(ticks)
+        .y_labels(ticks)
+        .x_label_formatter(&|x| tick_or_zero(*x))
+        .y_label_formatter(&|y| tick_or_zero(*y))
+        .label_style((FONT, 14))
+        .axis_desc_style((FONT, 16))
+        .light_line_style(RGBColor(235, 235, 235))
+        .bold_line_style(RGBColor(205, 205, 205))
+        .draw()?;
+    for (index, (name, points)) in curves.iter().enumerate() {
+        let color = color(index);
+        let style = color.stroke_width(2);
+        chart
+            .draw_series(LineSeries::new(points.iter().copied(), style))?
+            .label(name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+        if marks {
+            chart.draw_series(points.iter().map(|&point| Circle::new(point, 3, color.filled())))?;
+        }
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .background_style(WHITE.mix(0.85))
+        .border_style(RGBColor(160, 160, 160))
+        .label_font((FONT, 14))
+        .draw()?;
+    Ok(())
 }
 
 /// From the smallest to the largest of `values`, with some room; 0.1 to 10 if there are none.
@@ -229,6 +283,8 @@ mod tests {
             text(curves("t", "x", "y", &[("a".into(), points)]));
         }
         text(curves("t", "x", "y", &[]));
+        text(lines("t", "x", "y", &[]));
+        text(lines("t", "x", "y", &[("a".into(), vec![(0.0, 0.0)]), ("b".into(), vec![(1.0, 1e9), (2.0, f64::NAN)])]));
         text(bars("t", "x", &[]));
         text(bars("t", "x", &[("a".into(), vec![("p", 0.0)])]));
     }

@@ -1,6 +1,6 @@
 //! The folder that results go to.
 
-use crate::bench::BenchError;
+use super::BenchError;
 use crate::image::replace_file;
 use std::path::{Path, PathBuf};
 
