@@ -60,14 +60,24 @@ pub fn scratch<T: Copy + Default, const N: usize>() -> [T; N] {
     return unsafe { core::mem::MaybeUninit::uninit().assume_init() };
 }
 
-/// Element `index` of an array of a lane's own.
+/// Element `index` of an array of a lane's own or of its workgroup's.
 #[inline(always)]
-pub fn local_mut<T, const N: usize>(elements: &mut [T; N], index: usize) -> &mut T {
+pub fn local<T: Copy, const N: usize>(elements: &[T; N], index: u32) -> T {
     #[cfg(any(not(target_arch = "spirv"), feature = "bounds-checks"))]
-    return &mut elements[index];
+    return elements[index as usize];
     #[cfg(all(target_arch = "spirv", not(feature = "bounds-checks")))]
     // SAFETY: see the module's passage on bounds.
-    return unsafe { elements.index_unchecked_mut(index) };
+    return unsafe { *elements.index_unchecked(index as usize) };
+}
+
+/// Element `index` of such an array, to be changed.
+#[inline(always)]
+pub fn local_mut<T, const N: usize>(elements: &mut [T; N], index: u32) -> &mut T {
+    #[cfg(any(not(target_arch = "spirv"), feature = "bounds-checks"))]
+    return &mut elements[index as usize];
+    #[cfg(all(target_arch = "spirv", not(feature = "bounds-checks")))]
+    // SAFETY: see the module's passage on bounds.
+    return unsafe { elements.index_unchecked_mut(index as usize) };
 }
 
 /// What can lie in a buffer: whole words without padding.

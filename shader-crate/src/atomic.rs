@@ -6,7 +6,7 @@
 //! without a uniform share and without a random phase.
 
 use crate::access::{Atomics, Scatter, at};
-use crate::film::{ContributionView, FilmPixel};
+use crate::film::{ContributionView, FilmPixel, PIXEL_WORDS};
 use crate::glam::{UVec4, Vec3};
 use crate::stream::{RunWindow, Runs, Slot};
 
@@ -52,8 +52,6 @@ pub fn fill_reserved(
     slots.set(at(reserved, pixel) + k, slot);
 }
 
-/// Words of a [`FilmPixel`].
-const WORDS: u32 = 12;
 /// Slots that one lane adds up where they are of one pixel, before it adds the sum to the film: many lanes that change one word by turns
 /// wait for each other.
 pub const STRETCH: u32 = 64;
@@ -84,7 +82,7 @@ pub fn accumulate_atomic(
         sums.samples -= first & 1;
         let pixel = rank.wrapping_sub(window.first_rank);
         if pixel < window.pixels {
-            let first = pixel * WORDS;
+            let first = pixel * PIXEL_WORDS;
             add(film, first, sums.sum);
             film.add(first + 3, sums.samples);
             add(film, first + 4, sums.sum_of_squares);
@@ -98,23 +96,4 @@ fn add(film: &mut Atomics<'_>, first: u32, value: Vec3) {
     film.add_float(first, value.x);
     film.add_float(first + 1, value.y);
     film.add_float(first + 2, value.z);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use core::mem::{offset_of, size_of};
-
-    #[test]
-    fn words_are_where_the_film_has_them() {
-        assert_eq!(size_of::<FilmPixel>(), 4 * WORDS as usize);
-        let places = [
-            offset_of!(FilmPixel, sum),
-            offset_of!(FilmPixel, samples),
-            offset_of!(FilmPixel, sum_of_squares),
-            offset_of!(FilmPixel, rays),
-            offset_of!(FilmPixel, odd_sum),
-        ];
-        assert_eq!(places, [0, 3, 4, 7, 8].map(|word| 4 * word));
-    }
 }

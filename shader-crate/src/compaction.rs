@@ -3,7 +3,7 @@
 //! Reduce ([`sum_blocks`](crate::prefix::sum_blocks) over the flags), scan ([`scan_blocks`](crate::prefix::scan_blocks)), scatter
 //! ([`scatter_kept`]): Billeter, Olsson, Assarsson, "Efficient Stream Compaction on Wide SIMD Many-Core Architectures", HPG 2009.
 
-use crate::access::{Scatter, at};
+use crate::access::{Scatter, at, local_mut};
 use crate::prefix::{BlockParams, Lane, Memory, PER_LANE, sum_before, sum_groups, sum_values};
 
 /// Kernel, in phases: writes the indices of all elements whose flag in `keep` is 1 (the others' is 0) to `kept`, in order. `offsets` are the
@@ -20,7 +20,7 @@ pub fn scatter_kept(
     let first = lane.first_element().min(params.elements);
     let end = (first + PER_LANE).min(params.elements);
     if phase == 0 {
-        memory[lane.index as usize] = sum_values(keep, first, end);
+        *local_mut(memory, lane.index) = sum_values(keep, first, end);
     } else if phase == 1 {
         sum_groups(lane, memory);
     } else {

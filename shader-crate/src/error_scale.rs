@@ -4,7 +4,7 @@
 //! no samples. Relative to the largest, errors become integers of 31 bits by shifting their mantissas: no float
 //! is computed with.
 
-use crate::access::{Scatter, at};
+use crate::access::{Scatter, at, local, local_mut};
 use crate::device_struct;
 use crate::prefix::{BLOCK, BlockParams, GROUP, LANES, Lane};
 use crate::wide::Wide;
@@ -135,13 +135,13 @@ const LOW: u32 = 3 * PLACES;
 const PLACES: u32 = LANES + LANES / GROUP;
 
 fn store_exponent(memory: &mut Memory, place: u32, errors: &BlockErrors) {
-    memory[(EXPONENT + place) as usize] = errors.exponent;
-    memory[(LIVE + place) as usize] = errors.live;
+    *local_mut(memory, EXPONENT + place) = errors.exponent;
+    *local_mut(memory, LIVE + place) = errors.live;
 }
 
 fn store_sum(memory: &mut Memory, place: u32, sum: Wide) {
-    memory[(HIGH + place) as usize] = sum.high;
-    memory[(LOW + place) as usize] = sum.low;
+    *local_mut(memory, HIGH + place) = sum.high;
+    *local_mut(memory, LOW + place) = sum.low;
 }
 
 /// The phases between: what the lanes of each group have, put together.
@@ -162,8 +162,8 @@ fn exponents(memory: &Memory, first: u32, count: u32) -> BlockErrors {
     let mut errors = BlockErrors::NOTHING;
     let mut k = 0;
     while k < count {
-        errors.exponent = errors.exponent.max(memory[(EXPONENT + first + k) as usize]);
-        errors.live += memory[(LIVE + first + k) as usize];
+        errors.exponent = errors.exponent.max(local(memory, EXPONENT + first + k));
+        errors.live += local(memory, LIVE + first + k);
         k += 1;
     }
     errors
@@ -173,8 +173,8 @@ fn sums(memory: &Memory, first: u32, count: u32) -> Wide {
     let mut sum = Wide::ZERO;
     let mut k = 0;
     while k < count {
-        let high = memory[(HIGH + first + k) as usize];
-        sum = sum.plus(Wide { high, low: memory[(LOW + first + k) as usize] });
+        let high = local(memory, HIGH + first + k);
+        sum = sum.plus(Wide { high, low: local(memory, LOW + first + k) });
         k += 1;
     }
     sum

@@ -122,8 +122,9 @@ macro_rules! for_each_kernel {
             accumulate_runs[64] = $crate::film::accumulate_runs {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 starts: u32,
-                read 2 contributions: $crate::glam::UVec4,
-                write 3 film: $crate::film::FilmPixel,
+                read 2 slots: $crate::stream::Slot,
+                read 3 contributions: u32,
+                scatter 4 film: u32,
             }
             /// Traces camera rays for the features that pixels lack.
             first_hits[64] = $crate::features::first_hits {

@@ -8,7 +8,7 @@
 //! Lanes of a workgroup cooperate in **phases**. Each phase runs for all lanes, with a barrier after it; what a lane hands on to the
 //! next phase or to other lanes lies in the workgroup's memory. Within a phase no lane reads what another writes.
 
-use crate::access::{Scatter, at};
+use crate::access::{Scatter, at, local, local_mut};
 use crate::device_struct;
 
 /// Lanes of a workgroup.
@@ -72,7 +72,7 @@ impl Lane {
 fn sum(memory: &Memory, first: u32, count: u32) -> u32 {
     let (mut sum, mut k) = (0, 0);
     while k < count {
-        sum += memory[(first + k) as usize];
+        sum += local(memory, first + k);
         k += 1;
     }
     sum
@@ -81,7 +81,7 @@ fn sum(memory: &Memory, first: u32, count: u32) -> u32 {
 /// Puts the sum over each [`GROUP`] lanes of the values in the first [`LANES`] words behind these.
 pub fn sum_groups(lane: Lane, memory: &mut Memory) {
     if lane.index < LANES / GROUP {
-        memory[(LANES + lane.index) as usize] = sum(memory, lane.index * GROUP, GROUP);
+        *local_mut(memory, LANES + lane.index) = sum(memory, lane.index * GROUP, GROUP);
     }
 }
 
@@ -135,7 +135,7 @@ pub fn sum_blocks(
             element += LANES;
             k += 1;
         }
-        memory[lane.index as usize] = sum;
+        *local_mut(memory, lane.index) = sum;
     } else {
         finish_block_sum(phase, lane, sums, memory);
     }
@@ -155,7 +155,7 @@ pub fn scan_blocks(phase: u32, lane: Lane, params: &BlockParams, sums: &mut Scat
             sum += sums.get(block);
             block += 1;
         }
-        memory[lane.index as usize] = sum;
+        *local_mut(memory, lane.index) = sum;
     } else if phase == 1 {
         sum_groups(lane, memory);
     } else {

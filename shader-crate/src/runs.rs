@@ -5,7 +5,7 @@
 //! `(P * 256 * slots / W + phase) / 256`, rounded down (the quotient too), where `phase` is one random number below 256 for the whole round. So the runs follow each
 //! other without gaps, their lengths add up to `slots` exactly, and a pixel that is due 2.3 samples gets 2 or 3, 2.3 on average over phases.
 
-use crate::access::{Scatter, at};
+use crate::access::{Scatter, at, local_mut};
 use crate::device_struct;
 use crate::error_scale::{BlockErrors, is_live, magnitude, quantised};
 use crate::prefix::{BLOCK, LANES, Lane, Memory, PER_LANE, finish_block_sum, sum_before, sum_groups, sum_values};
@@ -104,7 +104,7 @@ pub fn weigh_errors(
             pixel += LANES;
             k += 1;
         }
-        memory[lane.index as usize] = sum;
+        *local_mut(memory, lane.index) = sum;
     } else {
         finish_block_sum(phase, lane, sums, memory);
     }
@@ -145,7 +145,7 @@ pub fn run_starts(
     let first = lane.first_element().min(params.pixels);
     let end = (first + PER_LANE).min(params.pixels);
     if phase == 0 {
-        memory[lane.index as usize] = sum_values(weights, first, end);
+        *local_mut(memory, lane.index) = sum_values(weights, first, end);
     } else if phase == 1 {
         sum_groups(lane, memory);
     } else {

@@ -4,7 +4,7 @@
 //! **run**), and runs follow each other in rank order (see [`crate::tiles`]): neighbours in the stream are
 //! neighbours in the picture, and accumulation is a loop over a pixel's own run.
 
-use crate::access::{Scatter, at};
+use crate::access::{Scatter, at, local, local_mut};
 use crate::device_struct;
 use crate::film::FilmPixel;
 use crate::prefix::{LANES, Lane};
@@ -63,8 +63,8 @@ pub const PHASES: u32 = 2;
 /// The memory of a workgroup that fills runs: where the runs of its pixels begin, where the last one ends, and the numbers of their first
 /// samples.
 pub type Memory = [u32; (2 * LANES + 1) as usize];
-const END: usize = LANES as usize;
-const SAMPLES: usize = END + 1;
+const END: u32 = LANES;
+const SAMPLES: u32 = END + 1;
 
 /// Kernel, in phases: fills the runs of the [`LANES`] pixels of a workgroup. Neighbouring lanes fill neighbouring slots, whosever they are, so that memory is
 /// written in order and a long run holds up nobody.
@@ -82,29 +82,29 @@ pub fn fill_runs(
         let runs = Runs::new(window, starts);
         let pixel = first_pixel + lane.index;
         // Beyond the window all runs begin where the last one ends.
-        memory[lane.index as usize] = runs.start(pixel.min(window.pixels));
+        *local_mut(memory, lane.index) = runs.start(pixel.min(window.pixels));
         if pixel < window.pixels {
-            memory[SAMPLES + lane.index as usize] = at(film, pixel).samples;
+            *local_mut(memory, SAMPLES + lane.index) = at(film, pixel).samples;
         }
         if lane.index == 0 {
-            memory[END] = runs.start((first_pixel + LANES).min(window.pixels));
+            *local_mut(memory, END) = runs.start((first_pixel + LANES).min(window.pixels));
         }
     } else {
-        let mut slot = memory[0] + lane.index;
-        while slot < memory[END] {
+        let mut slot = local(memory, 0) + lane.index;
+        while slot < local(memory, END) {
             let run = run_of(memory, slot);
-            let sample = memory[SAMPLES + run] + (slot - memory[run]);
-            slots.set(slot, Slot { rank: window.first_rank + first_pixel + run as u32, sample });
+            let sample = local(memory, SAMPLES + run) + (slot - local(memory, run));
+            slots.set(slot, Slot { rank: window.first_rank + first_pixel + run, sample });
             slot += LANES;
         }
     }
 }
 
 /// The run that `slot` is in: the last one that begins no later. (Those before it that begin at the same slot are empty.)
-fn run_of(memory: &Memory, slot: u32) -> usize {
-    let (mut run, mut step) = (0, LANES as usize / 2);
+fn run_of(memory: &Memory, slot: u32) -> u32 {
+    let (mut run, mut step) = (0, LANES / 2);
     while step > 0 {
-        if memory[run + step] <= slot {
+        if local(memory, run + step) <= slot {
             run += step;
         }
         step /= 2;
