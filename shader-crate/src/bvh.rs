@@ -25,6 +25,9 @@ pub const ROWS_PER_NODE: u32 = 5;
 /// group on the stack. Whoever builds a [`BvhView`]'s buffer checks it.
 pub const MAX_DEPTH: u32 = 32;
 
+/// Nodes that a lane visits at most before the lanes that run in step with it test triangles. With 2 or 3, more lanes have some by then, and more have waited:
+/// an H200 traces 3 % to 5 % fewer paths.
+const VISITS: u32 = 1;
 /// A node group's bits of children still to visit.
 const PENDING: u32 = 0xff00_0000;
 /// Smallest magnitude of a direction's component in the box test: with it the reciprocal stays finite and an
@@ -76,36 +79,45 @@ impl<'a> BvhView<'a> {
         // As if the root were the only child of a node above it.
         let mut group = UVec2::new(0, 0x8000_0000);
         let mut is_last = false;
-        while !is_last {
-            let place = 31 - group.y.leading_zeros();
-            let inner_mask = group.y;
-            group.y &= !(1 << place);
-            if group.y & PENDING != 0 {
-                *local_mut(&mut stack, stacked) = group;
-                stacked += 1;
-            }
-            let slot = (place ^ local.octant) & 7;
-            let preceding = (inner_mask & !(u32::MAX << slot) & 0xff).count_ones();
-            let node = self.node(group.x + preceding);
-            let hits = local.intersect(&node, hit.t);
-            group = UVec2::new(node.first_child(), hits & PENDING | node.inner_mask());
-            if group.y & PENDING == 0 {
-                if stacked == 0 {
-                    is_last = true;
-                } else {
-                    stacked -= 1;
-                    group = *local_mut(&mut stack, stacked);
+        loop {
+            let mut triangles;
+            let mut first_triangle;
+            let mut visits = 0;
+            loop {
+                let place = 31 - group.y.leading_zeros();
+                let inner_mask = group.y;
+                group.y &= !(1 << place);
+                if group.y & PENDING != 0 {
+                    *local_mut(&mut stack, stacked) = group;
+                    stacked += 1;
+                }
+                let slot = (place ^ local.octant) & 7;
+                let preceding = (inner_mask & !(u32::MAX << slot) & 0xff).count_ones();
+                let node = self.node(group.x + preceding);
+                let hits = local.intersect(&node, hit.t);
+                group = UVec2::new(node.first_child(), hits & PENDING | node.inner_mask());
+                triangles = hits & !PENDING;
+                first_triangle = node.first_triangle();
+                if group.y & PENDING == 0 {
+                    if stacked == 0 {
+                        is_last = true;
+                    } else {
+                        stacked -= 1;
+                        group = *local_mut(&mut stack, stacked);
+                    }
+                }
+                visits += 1;
+                if triangles != 0 || is_last || visits == VISITS {
+                    break;
                 }
             }
-
-            let mut triangles = hits & !PENDING;
             if triangles != 0 {
-                let mut index = node.first_triangle() + triangles.trailing_zeros();
+                let mut index = first_triangle + triangles.trailing_zeros();
                 let mut triangle = self.triangles.get(index);
-                while triangles != 0 {
-                    triangles &= triangles - 1;
+                loop {
+                    triangles &= triangles.wrapping_sub(1);
                     // The next one is loaded before this one is tested, so that its test need not wait for memory.
-                    let next = if triangles != 0 { node.first_triangle() + triangles.trailing_zeros() } else { index };
+                    let next = if triangles != 0 { first_triangle + triangles.trailing_zeros() } else { index };
                     let next_triangle = self.triangles.get(next);
                     let (t, u, v) = triangle.intersect(ray.origin, ray.direction);
                     if t > 0.0 && t < hit.t {
@@ -116,11 +128,17 @@ impl<'a> BvhView<'a> {
                             is_last = true;
                         }
                     }
-                    (index, triangle) = (next, next_triangle);
+                    if triangles == 0 {
+                        break;
+                    }
+                    index = next;
+                    triangle = next_triangle;
                 }
             }
+            if is_last {
+                return hit;
+            }
         }
-        hit
     }
 
     fn node(&self, index: u32) -> Node {

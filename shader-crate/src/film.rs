@@ -4,10 +4,10 @@
 //! `sum = sum + c` whose operand was loaded from memory, so there is no product to fuse and no order to vary. The same
 //! contributions give the same film, bit for bit, on any processor that adds like IEEE 754.
 
-use crate::access::{Scatter, at};
+use crate::access::at;
 use crate::device_struct;
 use crate::glam::{UVec4, Vec3};
-use crate::stream::{RunWindow, Runs, Slot};
+use crate::stream::{RunWindow, Runs};
 
 device_struct! {
     /// What one path brought. 32 bytes.
@@ -87,98 +87,38 @@ impl FilmPixel {
 
 /// Words of a [`FilmPixel`].
 pub const PIXEL_WORDS: u32 = 12;
-/// Words of a [`Contribution`], and the lanes that add up a pixel's.
-pub const CONTRIBUTION_WORDS: u32 = 8;
-/// The word of a contribution that is an integer, its rays, and where it goes in a [`FilmPixel`]. All others that are used have the place there that they have here.
-const RAYS: u32 = 3;
-const PIXEL_RAYS: u32 = 7;
-/// The word of a contribution that is not used, and the one that its lane adds to in a [`FilmPixel`].
-const UNUSED: u32 = 7;
-const PIXEL_SAMPLES: u32 = 3;
-/// Where the sum over odd samples begins in a [`FilmPixel`].
-const PIXEL_ODD_SUM: u32 = 8;
 
-/// Kernel: adds to a pixel of a window its run of contributions, in slot order, as [`FilmPixel::add`] does.
-///
-/// Each of the [`CONTRIBUTION_WORDS`] lanes of a pixel adds up one word of its contributions. So neighbouring lanes read neighbouring
-/// words, and a lane has loads of many slots under way. Sums must be taken in order; loads need not wait for them. `contributions` holds [`Contribution`]s, `film`
-/// [`FilmPixel`]s.
-pub fn accumulate_runs(
-    lane: u32,
-    window: &RunWindow,
-    starts: &[u32],
-    slots: &[Slot],
-    contributions: &[u32],
-    film: &mut Scatter<'_, u32>,
-) {
-    let (pixel, word) = (lane / CONTRIBUTION_WORDS, lane % CONTRIBUTION_WORDS);
+/// Kernel: adds to the pixel `lane` of a window its run of contributions, in slot order.
+pub fn accumulate_runs(lane: u32, window: &RunWindow, starts: &[u32], contributions: &[UVec4], film: &mut FilmPixel) {
     let runs = Runs::new(window, starts);
-    let mut slot = runs.start(pixel);
-    let end = runs.start(pixel + 1);
+    let mut slot = runs.start(lane);
+    let end = runs.start(lane + 1);
     if slot == end {
         return;
     }
-    let first = pixel * PIXEL_WORDS;
-    if word == UNUSED {
-        let samples = first + PIXEL_SAMPLES;
-        film.set(samples, film.get(samples) + (end - slot));
-        return;
-    }
-    let place = first + if word == RAYS { PIXEL_RAYS } else { word };
-    let is_radiance = word < 3;
-    let odd_place = if is_radiance { first + PIXEL_ODD_SUM + word } else { place };
-    let mut sum = WordSum {
-        is_count: word == RAYS,
-        bits: film.get(place),
-        // The film's count says so too, but another lane changes it.
-        is_odd: at(slots, slot).sample & 1 == 1,
-        odd: f32::from_bits(film.get(odd_place)),
-    };
-    while end - slot >= 8 {
-        let next = |number: u32| at(contributions, (slot + number) * CONTRIBUTION_WORDS + word);
-        let (a, b, c, d) = (next(0), next(1), next(2), next(3));
-        let (e, f, g, h) = (next(4), next(5), next(6), next(7));
-        sum.add(a);
-        sum.add(b);
-        sum.add(c);
-        sum.add(d);
-        sum.add(e);
-        sum.add(f);
-        sum.add(g);
-        sum.add(h);
-        slot += 8;
-    }
+    let contributions = ContributionView::new(contributions);
+    let last = end - 1;
+    let load = |slot: u32| contributions.get(slot.min(last));
+    let mut pixel = *film;
+    // Sums must be taken in order, but loads need not wait for them. The next four are loaded a turn before they are added: a compiler that
+    // has them in the same turn delays each until it is added, and a long run takes as long as its loads, one after the other.
+    let (mut a, mut b, mut c, mut d) = (load(slot), load(slot + 1), load(slot + 2), load(slot + 3));
     while slot < end {
-        sum.add(at(contributions, slot * CONTRIBUTION_WORDS + word));
-        slot += 1;
+        let next = (load(slot + 4), load(slot + 5), load(slot + 6), load(slot + 7));
+        pixel.add(&a);
+        if slot < last {
+            pixel.add(&b);
+        }
+        if slot + 1 < last {
+            pixel.add(&c);
+        }
+        if slot + 2 < last {
+            pixel.add(&d);
+        }
+        slot += 4;
+        (a, b, c, d) = next;
     }
-    film.set(place, sum.bits);
-    if is_radiance {
-        film.set(odd_place, sum.odd.to_bits());
-    }
-}
-
-/// The sums of one word of the contributions of a pixel.
-struct WordSum {
-    /// Whether the word is an integer and not the bits of an `f32`.
-    is_count: bool,
-    /// The sum over all samples, of the word's type.
-    bits: u32,
-    /// Whether the next sample is of odd number.
-    is_odd: bool,
-    /// The sum over odd samples.
-    odd: f32,
-}
-
-impl WordSum {
-    #[inline(always)]
-    fn add(&mut self, word: u32) {
-        let value = f32::from_bits(word);
-        let sum = (f32::from_bits(self.bits) + value).to_bits();
-        self.bits = if self.is_count { self.bits + word } else { sum };
-        self.odd = if self.is_odd { self.odd + value } else { self.odd };
-        self.is_odd = !self.is_odd;
-    }
+    *film = pixel;
 }
 
 device_struct! {
@@ -213,22 +153,21 @@ mod tests {
 
     #[test]
     fn words_are_where_kernels_look_for_them() {
-        assert_eq!(size_of::<Contribution>(), 4 * CONTRIBUTION_WORDS as usize);
         let contribution = [
+            size_of::<Contribution>(),
             offset_of!(Contribution, radiance),
             offset_of!(Contribution, rays),
             offset_of!(Contribution, squared),
-            offset_of!(Contribution, pad),
         ];
-        assert_eq!(contribution, [0, RAYS, 4, UNUSED].map(|word| 4 * word as usize));
-        assert_eq!(size_of::<FilmPixel>(), 4 * PIXEL_WORDS as usize);
+        assert_eq!(contribution, [4 * ROWS_PER_CONTRIBUTION, 0, 3, 4].map(|word| 4 * word as usize));
         let pixel = [
+            size_of::<FilmPixel>(),
             offset_of!(FilmPixel, sum),
             offset_of!(FilmPixel, samples),
             offset_of!(FilmPixel, sum_of_squares),
             offset_of!(FilmPixel, rays),
             offset_of!(FilmPixel, odd_sum),
         ];
-        assert_eq!(pixel, [0, PIXEL_SAMPLES, 4, PIXEL_RAYS, PIXEL_ODD_SUM].map(|word| 4 * word as usize));
+        assert_eq!(pixel, [PIXEL_WORDS, 0, 3, 4, 7, 8].map(|word| 4 * word as usize));
     }
 }

@@ -38,12 +38,12 @@ macro_rules! for_each_kernel {
                 scatter 3 slots: $crate::stream::Slot,
             }
             /// Empties a stream.
-            clear_slots[64] = $crate::stream::clear_slots {
+            clear_slots[256] = $crate::stream::clear_slots {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 write 1 slots: $crate::stream::Slot,
             }
             /// Traces the paths of a stream, each to its end by one thread.
-            trace_paths[64] = $crate::path::trace_paths {
+            trace_paths[128] = $crate::path::trace_paths {
                 uniform 0 parameters: $crate::path::PathParams,
                 read 1 slots: $crate::stream::Slot,
                 read 2 nodes: $crate::glam::UVec4,
@@ -55,7 +55,7 @@ macro_rules! for_each_kernel {
                 write 8 contributions: $crate::film::Contribution,
             }
             /// Traces the paths of a stream by threads that take slot after slot.
-            regenerate_paths[64] = $crate::regeneration::regenerate_paths {
+            regenerate_paths[128] = $crate::regeneration::regenerate_paths {
                 uniform 0 parameters: $crate::path::PathParams,
                 read 1 slots: $crate::stream::Slot,
                 read 2 nodes: $crate::glam::UVec4,
@@ -68,7 +68,7 @@ macro_rules! for_each_kernel {
                 atomic 9 taken,
             }
             /// Finds what the rays of a pool's paths hit.
-            trace_queue[64] = $crate::wavefront::trace_queue {
+            trace_queue[128] = $crate::wavefront::trace_queue {
                 uniform 0 parameters: $crate::wavefront::WavefrontParams,
                 read 1 slots: $crate::stream::Slot,
                 read 2 nodes: $crate::glam::UVec4,
@@ -79,7 +79,7 @@ macro_rules! for_each_kernel {
                 scatter 7 queues: $crate::wavefront::Queue,
             }
             /// Takes a pool's paths from what they hit to their next segments.
-            shade_queue[64] = $crate::wavefront::shade_queue {
+            shade_queue[128] = $crate::wavefront::shade_queue {
                 uniform 0 parameters: $crate::wavefront::WavefrontParams,
                 read 1 slots: $crate::stream::Slot,
                 read 2 triangles: $crate::glam::UVec4,
@@ -94,7 +94,7 @@ macro_rules! for_each_kernel {
                 scatter 11 contributions: $crate::film::Contribution,
             }
             /// Tests whether light that a pool's paths have sampled is visible.
-            shadow_queue[64] = $crate::wavefront::shadow_queue {
+            shadow_queue[128] = $crate::wavefront::shadow_queue {
                 uniform 0 parameters: $crate::wavefront::WavefrontParams,
                 read 1 nodes: $crate::glam::UVec4,
                 read 2 triangles: $crate::glam::UVec4,
@@ -103,7 +103,7 @@ macro_rules! for_each_kernel {
                 scatter 5 contributions: $crate::film::Contribution,
             }
             /// Traces what is left of a pool's paths and slots.
-            finish_queue[64] = $crate::wavefront::finish_queue {
+            finish_queue[128] = $crate::wavefront::finish_queue {
                 uniform 0 parameters: $crate::wavefront::WavefrontParams,
                 read 1 slots: $crate::stream::Slot,
                 read 2 nodes: $crate::glam::UVec4,
@@ -119,15 +119,14 @@ macro_rules! for_each_kernel {
                 scatter 12 contributions: $crate::film::Contribution,
             }
             /// Adds a window's contributions to the film, every pixel its own run.
-            accumulate_runs[64] = $crate::film::accumulate_runs {
+            accumulate_runs[256] = $crate::film::accumulate_runs {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 starts: u32,
-                read 2 slots: $crate::stream::Slot,
-                read 3 contributions: u32,
-                scatter 4 film: u32,
+                read 2 contributions: $crate::glam::UVec4,
+                write 3 film: $crate::film::FilmPixel,
             }
             /// Traces camera rays for the features that pixels lack.
-            first_hits[64] = $crate::features::first_hits {
+            first_hits[128] = $crate::features::first_hits {
                 uniform 0 parameters: $crate::features::FeatureParams,
                 read 1 nodes: $crate::glam::UVec4,
                 read 2 triangles: $crate::glam::UVec4,
@@ -137,7 +136,7 @@ macro_rules! for_each_kernel {
                 write 6 features: $crate::features::FeaturePixel,
             }
             /// Counts the rays that the film's samples took.
-            count_rays[64] = $crate::film::count_rays {
+            count_rays[256] = $crate::film::count_rays {
                 uniform 0 parameters: $crate::film::CountParams,
                 read 1 film: $crate::film::FilmPixel,
                 write 2 rays: u32,
@@ -187,19 +186,19 @@ macro_rules! for_each_kernel {
                 scatter 3 starts: u32,
             }
             /// Zeroes the counter of slots.
-            clear_counter[64] = $crate::atomic::clear_counter {
+            clear_counter[256] = $crate::atomic::clear_counter {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 write 1 counter: u32,
             }
             /// Reserves slots for each pixel.
-            reserve_slots[64] = $crate::atomic::reserve_slots {
+            reserve_slots[256] = $crate::atomic::reserve_slots {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 starts: u32,
                 write 2 reserved: u32,
                 atomic 3 counter,
             }
             /// Fills the slots that pixels have reserved.
-            fill_reserved[64] = $crate::atomic::fill_reserved {
+            fill_reserved[256] = $crate::atomic::fill_reserved {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 starts: u32,
                 read 2 reserved: u32,
@@ -207,25 +206,25 @@ macro_rules! for_each_kernel {
                 scatter 4 slots: $crate::stream::Slot,
             }
             /// Adds contributions to the film by atomics.
-            accumulate_atomic[64] = $crate::atomic::accumulate_atomic {
+            accumulate_atomic[256] = $crate::atomic::accumulate_atomic {
                 uniform 0 parameters: $crate::stream::RunWindow,
                 read 1 slots: $crate::stream::Slot,
                 read 2 contributions: $crate::glam::UVec4,
                 atomic 3 film,
             }
             /// Copies the film's sample counts.
-            copy_counts[64] = $crate::paper::copy_counts {
+            copy_counts[256] = $crate::paper::copy_counts {
                 uniform 0 parameters: $crate::paper::PaperParams,
                 read 1 film: $crate::film::FilmPixel,
                 write 2 counts: u32,
             }
             /// Begins the bisection of thresholds.
-            paper_begin[64] = $crate::paper::paper_begin {
+            paper_begin[256] = $crate::paper::paper_begin {
                 uniform 0 parameters: $crate::paper::PaperParams,
                 scatter 1 states: $crate::paper::PaperState,
             }
             /// Selects the pixels of a stream.
-            paper_select[64] = $crate::paper::paper_select {
+            paper_select[256] = $crate::paper::paper_select {
                 uniform 0 parameters: $crate::paper::PaperParams,
                 read 1 errors: f32,
                 read 2 totals: $crate::error_scale::BlockErrors,
@@ -233,13 +232,13 @@ macro_rules! for_each_kernel {
                 write 4 keep: u32,
             }
             /// Decides whether a stream is kept.
-            paper_decide[64] = $crate::paper::paper_decide {
+            paper_decide[256] = $crate::paper::paper_decide {
                 uniform 0 parameters: $crate::paper::PaperParams,
                 read 1 offsets: u32,
                 scatter 2 states: $crate::paper::PaperState,
             }
             /// Appends a stream.
-            paper_append[64] = $crate::paper::paper_append {
+            paper_append[256] = $crate::paper::paper_append {
                 uniform 0 parameters: $crate::paper::PaperParams,
                 read 1 states: $crate::paper::PaperState,
                 read 2 kept: u32,
@@ -247,7 +246,7 @@ macro_rules! for_each_kernel {
                 scatter 4 slots: $crate::stream::Slot,
             }
             /// Adds the contributions of a stream to the film.
-            paper_accumulate[64] = $crate::paper::paper_accumulate {
+            paper_accumulate[256] = $crate::paper::paper_accumulate {
                 uniform 0 parameters: $crate::paper::PaperParams,
                 read 1 states: $crate::paper::PaperState,
                 read 2 slots: $crate::stream::Slot,
@@ -255,13 +254,13 @@ macro_rules! for_each_kernel {
                 scatter 4 film: $crate::film::FilmPixel,
             }
             /// Makes the rays through pixel centres.
-            primary_rays[64] = $crate::probe::primary_rays {
+            primary_rays[256] = $crate::probe::primary_rays {
                 uniform 0 parameters: $crate::path::PathParams,
                 read 1 slots: $crate::stream::Slot,
                 write 2 rays: $crate::ray::Ray,
             }
             /// Makes cosine-distributed rays from hits.
-            bounce_rays[64] = $crate::probe::bounce_rays {
+            bounce_rays[256] = $crate::probe::bounce_rays {
                 uniform 0 parameters: $crate::path::PathParams,
                 read 1 rays: $crate::ray::Ray,
                 read 2 hits: $crate::ray::Hit,
@@ -269,7 +268,7 @@ macro_rules! for_each_kernel {
                 write 4 bounced: $crate::ray::Ray,
             }
             /// Makes segments from hits to lights.
-            shadow_rays[64] = $crate::probe::shadow_rays {
+            shadow_rays[256] = $crate::probe::shadow_rays {
                 uniform 0 parameters: $crate::path::PathParams,
                 read 1 rays: $crate::ray::Ray,
                 read 2 hits: $crate::ray::Hit,
@@ -278,7 +277,7 @@ macro_rules! for_each_kernel {
                 write 5 shadow: $crate::ray::Ray,
             }
             /// Finds the nearest hits of rays.
-            closest_hits[64] = $crate::probe::closest_hits {
+            closest_hits[128] = $crate::probe::closest_hits {
                 uniform 0 parameters: $crate::probe::ProbeParams,
                 read 1 rays: $crate::ray::Ray,
                 read 2 nodes: $crate::glam::UVec4,
@@ -286,7 +285,7 @@ macro_rules! for_each_kernel {
                 write 4 hits: $crate::ray::Hit,
             }
             /// Finds whether rays hit anything.
-            any_hits[64] = $crate::probe::any_hits {
+            any_hits[128] = $crate::probe::any_hits {
                 uniform 0 parameters: $crate::probe::ProbeParams,
                 read 1 rays: $crate::ray::Ray,
                 read 2 nodes: $crate::glam::UVec4,
@@ -294,28 +293,28 @@ macro_rules! for_each_kernel {
                 write 4 occluded: u32,
             }
             /// Makes the guides of a band's pixels.
-            make_guides[64] = $crate::guide::make_guides {
+            make_guides[256] = $crate::guide::make_guides {
                 uniform 0 parameters: $crate::guide::GuideParams,
                 read 1 film: $crate::film::FilmPixel,
                 read 2 features: $crate::features::FeaturePixel,
                 write 3 guides: $crate::guide::Guide,
             }
             /// Estimates errors by a joint bilateral filter.
-            filter_errors[64] = $crate::filter::filter_errors {
+            filter_errors[256] = $crate::filter::filter_errors {
                 uniform 0 parameters: $crate::filter::FilterParams,
                 read 1 guides: $crate::guide::Guide,
                 write 2 estimates: $crate::estimate::Estimate,
                 write 3 errors: f32,
             }
             /// Estimates errors by the variance of means.
-            noise_errors[64] = $crate::estimate::noise_errors {
+            noise_errors[256] = $crate::estimate::noise_errors {
                 uniform 0 parameters: $crate::estimate::NoiseParams,
                 read 1 guides: $crate::guide::Guide,
                 write 2 estimates: $crate::estimate::Estimate,
                 write 3 errors: f32,
             }
             /// Adds up relative errors and counts pixels that have not converged.
-            total_errors[64] = $crate::estimate::total_errors {
+            total_errors[256] = $crate::estimate::total_errors {
                 uniform 0 parameters: $crate::estimate::TotalParams,
                 read 1 estimates: $crate::estimate::Estimate,
                 read 2 errors: f32,

@@ -66,14 +66,16 @@ pub enum BenchError {
     },
 }
 
-/// A device that has been idle runs slowly at first: a GPU at a sixth of its clock.
-const WARM_UP: Duration = Duration::from_millis(1000);
+/// A device that has been idle runs slowly at first: a GPU at a sixth of its clock, for most of a second.
+const WARM_UP: Duration = Duration::from_secs(1);
+/// One that was left alone for a moment, by a program that is measuring, needs no more than this.
+const KEEP_WARM: Duration = Duration::from_millis(200);
 
-/// Repeats `work`, at least once, until the device has had time to reach its speed.
-fn warm_up<E>(mut work: impl FnMut() -> Result<(), E>) -> Result<(), E> {
+/// Repeats `work`, at least once, for `time`, so that the device has reached its speed.
+fn warm_up<E>(time: Duration, mut work: impl FnMut() -> Result<(), E>) -> Result<(), E> {
     let start = Instant::now();
     work()?;
-    while start.elapsed() < WARM_UP {
+    while start.elapsed() < time {
         work()?;
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! Speed of whole paths.
 
-use super::BenchError;
+use super::{BenchError, WARM_UP};
 use crate::exec::Executor;
 use crate::render::{Budget, Outcome, PreparedScene, Renderer, Settings, run};
 use std::time::Duration;
@@ -35,7 +35,7 @@ pub fn measure<E: Executor>(
     let mut renderer = Renderer::new(executor, scene, settings)?;
     let mut render =
         |time: Duration| run(&mut renderer, Budget { samples: None, time: Some(time) }, &|| false, &mut |_| ());
-    let warm_up = render(time / 10)?;
+    let warm_up = render(WARM_UP)?;
     let outcome = render(time)?;
     let film = renderer.film()?;
     let [even, odd] =

@@ -1,6 +1,6 @@
 //! Speed of the traversal for primary, diffuse-bounce and shadow rays, one of each per pixel.
 
-use super::{BenchError, median, warm_up};
+use super::{BenchError, WARM_UP, median, warm_up};
 use crate::exec::{Array, Executor, Kernel, Launch, View, kernels};
 use crate::render::{PreparedScene, SceneBuffers, Settings};
 use bytemuck::Zeroable;
@@ -116,7 +116,7 @@ fn time<'a, E: Executor>(
 where
     E::Buffer: 'a,
 {
-    warm_up(|| executor.run(&[launch()]).map(drop))?;
+    warm_up(WARM_UP, || executor.run(&[launch()]).map(drop))?;
     let times = (0..options.repetitions.max(1))
         .map(|_| Ok(executor.run(&[launch()])?[0]))
         .collect::<Result<Vec<_>, BenchError>>()?;

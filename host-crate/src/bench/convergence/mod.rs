@@ -26,10 +26,10 @@ pub use reference::{REFERENCE_SEEDS, Reference};
 pub use report::write_scene;
 pub use rounds::{Breakdown, Rate, Round, UniformRates};
 
-use super::BenchError;
+use super::{BenchError, KEEP_WARM, WARM_UP, warm_up};
 use crate::exec::Executor;
-use crate::render::{PreparedScene, Sampling, Settings};
-use render::{record, warm_up};
+use crate::render::{PreparedScene, Renderer, Sampling, Settings};
+use render::{record, rehearse};
 
 /// What to measure.
 #[derive(Clone, Debug)]
@@ -88,15 +88,20 @@ pub fn measure<E: Executor>(
     say: &mut dyn FnMut(&str),
 ) -> Result<Measurement, BenchError> {
     for &configuration in &plan.configurations {
-        warm_up(executor, scene, &plan.settings(settings, configuration, 0))?;
+        rehearse(executor, scene, &plan.settings(settings, configuration, 0))?;
     }
+    let mut other = Renderer::new(executor, scene, &Settings { sampling: Sampling::UNIFORM, ..*settings })?;
+    let mut render_other = |time| warm_up(time, || other.round(1, &mut |_| ()).map(drop));
+    render_other(WARM_UP)?;
     let mut curves = vec![Vec::new(); plan.configurations.len()];
     let mut rounds = vec![Vec::new(); plan.configurations.len()];
     // By turns, so that a device that slows down does so for all.
     for repetition in 0..plan.repetitions {
         for (index, &configuration) in plan.configurations.iter().enumerate() {
             let settings = plan.settings(settings, configuration, repetition);
-            let recorded = record(executor, scene, &settings, &plan.checkpoints, reference, repetition == 0)?;
+            let mut renderer = Renderer::new(executor, scene, &settings)?;
+            render_other(KEEP_WARM)?;
+            let recorded = record(&mut renderer, &settings, &plan.checkpoints, reference, repetition == 0)?;
             let Some(end) = recorded.points.last() else { continue };
             say(&format!(
                 "{}, {} of {}: {:.2} samples per pixel in {:.2} s, RMSE {:.3e}",
@@ -124,6 +129,7 @@ pub fn measure<E: Executor>(
         }
     }
     say("tracing uniform rounds of the same lengths");
+    render_other(KEEP_WARM)?;
     let all_rounds: Vec<Round> = rounds.iter().flatten().copied().collect();
     let uniform_rates = UniformRates::measure(executor, scene, settings, &all_rounds)?;
     let configurations: Vec<Measured> = plan

@@ -9,6 +9,7 @@ use crate::exec::Executor;
 use crate::film::Film;
 use crate::image::ColorImage;
 use crate::render::{AllocatorKind, PreparedScene, Renderer, Settings, Timings};
+use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
 /// A render from its first sample to the last checkpoint.
@@ -21,24 +22,23 @@ pub struct Recorded {
     pub last: ColorImage,
 }
 
-/// Renders to the last of `checkpoints` (samples per pixel, rising) and records errors against `reference`; also every round, if
-/// `with_rounds`. Only the rounds themselves count as time, not the looking in between.
+/// Has `renderer`, which has rendered nothing yet, render to the last of `checkpoints` (samples per pixel, rising) and records errors against `reference`; also every round, if
+/// `with_rounds`. Only the rounds themselves count as time, not the looking in between, and that is no more than reading the picture: a device that is left idle slows
+/// down.
 ///
 /// A uniform render stops at every checkpoint, an adaptive one takes its rounds as they come: what a round passes is measured
 /// after it. It ends early if no pixel wants samples any more.
 pub fn record<E: Executor>(
-    executor: &E,
-    scene: &PreparedScene,
+    renderer: &mut Renderer<'_, E>,
     settings: &Settings,
     checkpoints: &[u32],
     reference: &Reference,
     with_rounds: bool,
 ) -> Result<Recorded, BenchError> {
-    let mut renderer = Renderer::new(executor, scene, settings)?;
     let pixels = u64::from(renderer.pixels());
     let uniform = settings.sampling.allocator == AllocatorKind::Uniform;
     let (mut wall, mut device) = (Duration::ZERO, Timings::default());
-    let (mut points, mut rounds, mut last) = (Vec::new(), Vec::new(), None);
+    let (mut looks, mut rounds) = (Vec::new(), Vec::new());
     let mut rays = 0;
     let mut next = 0;
     while let Some(&checkpoint) = checkpoints.get(next) {
@@ -61,24 +61,40 @@ pub fn record<E: Executor>(
         let passed = checkpoints.partition_point(|&c| u64::from(c) * pixels <= paths);
         if passed > next {
             next = passed;
-            let image = ColorImage::from_film(&renderer.film()?);
-            points.push(Point {
+            looks.push(Look {
+                image: ColorImage::from_film(&renderer.film()?),
                 checkpoint: checkpoints[passed - 1],
                 samples: paths as f64 / pixels as f64,
                 wall,
                 device,
                 rays: renderer.rays()?,
-                errors: Errors::of(&image, &reference.image)?,
             });
-            last = Some(image);
         }
     }
-    let last = last.ok_or_else(|| BenchError::Wrong("the render took no samples".into()))?;
+    let points = looks.par_iter().map(|look| look.point(reference)).collect::<Result<Vec<_>, BenchError>>()?;
+    let last = looks.pop().ok_or_else(|| BenchError::Wrong("the render took no samples".into()))?.image;
     Ok(Recorded { points, rounds, last })
 }
 
-/// A few short rounds, so that what happens once (compiling kernels, memory, clocks) happens before anything is measured.
-pub fn warm_up<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings) -> Result<(), BenchError> {
+/// What was seen of a render on the way.
+struct Look {
+    image: ColorImage,
+    checkpoint: u32,
+    samples: f64,
+    wall: Duration,
+    device: Timings,
+    rays: u64,
+}
+
+impl Look {
+    fn point(&self, reference: &Reference) -> Result<Point, BenchError> {
+        let Self { checkpoint, samples, wall, device, rays, .. } = *self;
+        Ok(Point { checkpoint, samples, wall, device, rays, errors: Errors::of(&self.image, &reference.image)? })
+    }
+}
+
+/// A few short rounds, so that what happens once (compiling kernels, memory) happens before anything is measured.
+pub fn rehearse<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings) -> Result<(), BenchError> {
     let mut renderer = Renderer::new(executor, scene, settings)?;
     let paths = 2 * u64::from(renderer.pixels());
     for _ in 0..3 {

@@ -3,7 +3,6 @@
 use super::{Allocator, RoundBuffers, Stream};
 use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::render::film::{Band, FilmBuffers, WINDOW_ALIGNMENT};
-use raystream_shaders::film::CONTRIBUTION_WORDS;
 use raystream_shaders::stream::RunWindow;
 use std::ops::Range;
 
@@ -72,14 +71,13 @@ pub(super) fn accumulate_runs<'a, B>(
     starts: impl Fn(&Band<B>) -> View<'a, B>,
     samples: u32,
 ) -> Vec<Launch<'a, B>> {
-    let part = 0..stream.slots as usize;
+    let contributions = || buffers.contributions.slice(0..stream.slots as usize);
     windows(buffers.film, stream, samples)
         .map(|(band, pixels, window)| {
-            let (slots, contributions) = (buffers.slots.slice(part.clone()), buffers.contributions.slice(part.clone()));
             Launch::new(
                 &kernels::accumulate_runs,
-                &RunWindow { threads: window.pixels * CONTRIBUTION_WORDS, ..window },
-                vec![starts(band), slots, contributions, band.film.slice(pixels)],
+                &window,
+                vec![starts(band), contributions(), band.film.slice(pixels)],
             )
         })
         .collect()
