@@ -4,8 +4,8 @@ use super::cpu::CpuExecutor;
 use super::gpu::{GpuExecutor, ShaderPath, largest_buffer};
 use super::{ExecError, Executor};
 
-/// Storage buffers that a kernel may bind, at most: the number that every implementation of WebGPU grants.
-pub const STORAGE_BUFFERS: u32 = 8;
+/// Storage buffers that a kernel may bind, at most: every implementation of WebGPU grants 8, and drivers for real GPUs far more.
+pub const STORAGE_BUFFERS: u32 = 12;
 
 /// A device, open for rendering.
 pub enum Device {

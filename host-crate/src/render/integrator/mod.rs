@@ -3,10 +3,12 @@
 //! | name | what it is |
 //! |---|---|
 //! | [`megakernel`] | one thread walks one path to its end |
+//! | [`lvc`] | bidirectional, with a cache of light vertices |
 
+pub mod lvc;
 pub mod megakernel;
 
-use super::{IntegratorKind, SceneBuffers};
+use super::{IntegratorKind, SceneBuffers, Settings};
 use crate::exec::{Array, ExecError, Executor, Launch};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::path::PathParams;
@@ -26,6 +28,12 @@ pub trait Integrator<E: Executor> {
     /// Launches that compute the contributions of the slots of `part`, which begins at a multiple of
     /// [`WINDOW_ALIGNMENT`](super::film::WINDOW_ALIGNMENT) and is not empty.
     fn trace<'a>(&'a self, stream: &StreamBuffers<'a, E::Buffer>, part: Range<u32>) -> Vec<Launch<'a, E::Buffer>>;
+
+    /// Slots that should share what one [`begin_round`](Self::begin_round) makes, at most; a round may always have one for each pixel. Where there is a limit, contributions
+    /// may depend on the number of the round as well.
+    fn slots_of_round(&self) -> u64 {
+        u64::MAX
+    }
 }
 
 /// What integrators work on.
@@ -40,13 +48,25 @@ pub struct StreamBuffers<'a, B> {
     pub contributions: &'a Array<B, Contribution>,
 }
 
+/// What a new integrator may look at.
+pub struct IntegratorContext<'a, E: Executor> {
+    /// The device.
+    pub executor: &'a E,
+    /// The scene, there.
+    pub scene: &'a SceneBuffers<E::Buffer>,
+    /// What is the same for all paths; `threads` is 0.
+    pub parameters: &'a PathParams,
+    /// The render.
+    pub settings: &'a Settings,
+}
+
 /// A new integrator for streams of at most `capacity` slots; it asks for memory only as far as it needs it.
 pub fn create<E: Executor>(
-    kind: IntegratorKind,
-    _executor: &E,
+    context: &IntegratorContext<'_, E>,
     _capacity: u32,
 ) -> Result<Box<dyn Integrator<E>>, ExecError> {
-    Ok(match kind {
+    Ok(match context.settings.integrator {
         IntegratorKind::Megakernel => Box::new(megakernel::Megakernel),
+        IntegratorKind::Lvc => Box::new(lvc::Lvc::new(context)?),
     })
 }
