@@ -3,6 +3,7 @@
 use glam::Vec3;
 use raystream::scene::{CameraSettings, FilmSize, PathLimits, Scene};
 use raystream_shaders::material::{DIELECTRIC, DIFFUSE, MIRROR, Material};
+use raystream_shaders::surface::Attributes;
 use raystream_shaders::texture::NO_TEXTURE;
 use raystream_shaders::triangle::{NO_ATTRIBUTES, Triangle};
 
@@ -104,6 +105,33 @@ pub fn add_ball(scene: &mut Scene, centre: Vec3, radius: f32, subdivisions: u32,
     for face in faces {
         add_triangle(scene, face.map(|corner| centre + corner * radius), material);
     }
+}
+
+/// Makes the triangles from number `first` on smooth, with normals away from `centre`.
+pub fn smooth(scene: &mut Scene, first: usize, centre: Vec3) {
+    for triangle in &mut scene.triangles[first..] {
+        let normal = |edge: Vec3| (triangle.corner + edge - centre).normalize();
+        triangle.attributes = scene.attributes.len() as u32;
+        scene.attributes.push(Attributes {
+            normal0: normal(Vec3::ZERO),
+            normal1: normal(triangle.edge1),
+            normal2: normal(triangle.edge2),
+            ..Attributes::default()
+        });
+    }
+}
+
+/// The [`room`] with a ball of so few triangles, but smooth normals, that shading normals are far from those of the triangles.
+pub fn smooth_room(ball: Material) -> Scene {
+    let mut scene = room(ball, 1.0);
+    // The ball is what the room ends with, 512 triangles.
+    let first = scene.triangles.len() - 512;
+    let material = scene.triangles[first].material;
+    scene.triangles.truncate(first);
+    let centre = Vec3::new(0.68, 0.22, 0.6);
+    add_ball(&mut scene, centre, 0.2, 1, material);
+    smooth(&mut scene, first, centre);
+    scene
 }
 
 /// A closed room with a lamp, a diffuse block and a ball of `ball`'s material: all of the path tracer's cases at once.
