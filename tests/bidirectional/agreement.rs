@@ -85,7 +85,8 @@ fn a_lamp_in_the_open() {
     add_ball(&mut scene, Vec3::new(-0.4, 0.5, 0.0), 0.5, 2, ground);
     add_quad(&mut scene, Vec3::new(0.6, 0.2, -0.5), Vec3::Z, Vec3::new(0.3, 0.8, 0.0), lamp);
     let prepared = prepare(&scene);
-    let background = Vec3::new(0.1, 0.2, 0.4);
+    // Sums of these do not round.
+    let background = Vec3::new(0.125, 0.25, 0.5);
     let expected = render(&prepared, &Settings { seed: 1000, background, ..settings(&scene) }, 2048);
     let pictures =
         rounds(&CpuExecutor, &prepared, &Settings { background, ..lvc(&scene, LIGHT_PATHS) }, ROUNDS, SAMPLES);
@@ -136,8 +137,8 @@ fn techniques_agree() {
     ] {
         let (prepared, expected) = path_traced(&scene, 8192);
         for techniques in [Emission, WithoutConnections, WithoutLightSampling, Connections] {
-            // No eye path runs into the lamp behind the opening often enough to tell anything.
-            if name == "opening" && techniques == Emission {
+            // No eye path runs into the lamp behind the opening often enough to tell anything, and nothing else finds the spot below it.
+            if name == "opening" && matches!(techniques, Emission | WithoutLightSampling) {
                 continue;
             }
             let settings = lvc(&scene, LIGHT_PATHS);

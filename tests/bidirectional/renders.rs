@@ -4,13 +4,14 @@ use super::common::scenes::{self, add_material, add_quad};
 use super::common::{prepare, render, render_on, settings, with_gpu};
 use glam::{DVec3, Vec3};
 use raystream::exec::cpu::CpuExecutor;
-use raystream::exec::{ExecError, Executor, Launch, Limits};
+use raystream::exec::{ExecError, Executor, Launch, Limits, kernels};
 use raystream::render::AllocatorKind::{Atomic, Paper, Runs, Uniform};
 use raystream::render::{
     BidirectionalTechniques, Budget, IntegratorKind, LightCacheSettings, PreparedScene, Renderer, Sampling, Settings,
     run,
 };
 use raystream::scene::{FilmSize, Scene};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 /// The scene's own settings, with this many light paths a round.
@@ -43,34 +44,48 @@ pub fn rounds<E: Executor>(
     pictures
 }
 
-/// The CPU with short streams, which are worked off in short batches.
-struct ShortStreams(CpuExecutor);
+/// The CPU with streams of at most `slots` slots, the first batches of which are so slow that the next are short.
+struct Hindered {
+    slots: u64,
+    slow_batches: AtomicU32,
+}
 
-impl Executor for ShortStreams {
+impl Hindered {
+    fn new(slots: u64) -> Self {
+        Self { slots, slow_batches: AtomicU32::new(3) }
+    }
+}
+
+impl Executor for Hindered {
     type Buffer = <CpuExecutor as Executor>::Buffer;
 
     fn name(&self) -> &str {
-        "a device of short streams"
+        "a hindered device"
     }
 
     fn limits(&self) -> Limits {
-        Limits { buffer_bytes: 1024 * 32, ..self.0.limits() }
+        Limits { buffer_bytes: self.slots * 32, ..CpuExecutor.limits() }
     }
     fn check_size(&self, _: &'static str, _: u64) -> Result<(), ExecError> {
         Ok(())
     }
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError> {
-        self.0.allocate(label, bytes)
+        CpuExecutor.allocate(label, bytes)
     }
     fn write(&self, buffer: &Self::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
-        self.0.write(buffer, first_byte, bytes)
+        CpuExecutor.write(buffer, first_byte, bytes)
     }
     fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
-        self.0.read(buffer, first_byte, bytes)
+        CpuExecutor.read(buffer, first_byte, bytes)
     }
     fn run(&self, launches: &[Launch<'_, Self::Buffer>]) -> Result<Vec<Duration>, ExecError> {
-        // So slow that the next batch is short.
-        Ok(self.0.run(launches)?.into_iter().map(|time| time * 1000).collect())
+        let traces = launches.iter().any(|launch| launch.kernel().name == kernels::trace_eye_paths.name);
+        let fewer = |left: u32| left.checked_sub(1);
+        if traces && self.slow_batches.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fewer).is_ok() {
+            // Twice as long as batches should.
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        CpuExecutor.run(launches)
     }
 }
 
@@ -81,7 +96,7 @@ fn streams_and_batches_do_not_change_the_film() {
     let prepared = prepare(&scene);
     let settings = Settings { independent_sampler: false, ..lvc(&scene, 500) };
     let at_once = render(&prepared, &settings, 3);
-    assert_eq!(render_on(&ShortStreams(CpuExecutor), &prepared, &settings, 3), at_once);
+    assert_eq!(render_on(&Hindered::new(1024), &prepared, &settings, 3), at_once);
     assert_ne!(render_on(&CpuExecutor, &prepared, &Settings { seed: 2, ..settings }, 3), at_once);
 }
 
@@ -94,19 +109,14 @@ fn a_render_is_repeatable() {
     for sampling in [Sampling::UNIFORM, Sampling { allocator: Runs, ..Sampling::UNIFORM }] {
         let settings =
             Settings { integrator: IntegratorKind::Lvc, sampling, independent_sampler: false, ..settings(&scene) };
-        let film = |slow: Duration| {
-            let mut renderer = Renderer::new(&CpuExecutor, &prepared, &settings).unwrap();
-            let budget = Budget { samples: Some(40), time: None };
-            let mut slowed = false;
-            run(&mut renderer, budget, &|| false, &mut |_| {
-                if !std::mem::replace(&mut slowed, true) {
-                    std::thread::sleep(slow);
-                }
-            })
-            .unwrap();
+        let film = |executor: &Hindered| {
+            let mut renderer = Renderer::new(executor, &prepared, &settings).unwrap();
+            run(&mut renderer, Budget { samples: Some(40), time: None }, &|| false, &mut |_| ()).unwrap();
             renderer.film().unwrap()
         };
-        assert_eq!(film(Duration::ZERO), film(Duration::from_millis(300)), "{:?}", sampling.allocator);
+        let slow = Hindered::new(1 << 20);
+        let fast = Hindered { slow_batches: AtomicU32::new(0), ..Hindered::new(1 << 20) };
+        assert_eq!(film(&slow), film(&fast), "{:?}", sampling.allocator);
     }
     let lengths = rounds(&CpuExecutor, &prepared, &lvc(&scene, 50), 2, 1);
     assert_ne!(lengths[0], lengths[1], "rounds differ");
