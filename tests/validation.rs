@@ -18,14 +18,21 @@ fn raystream(arguments: &[&str]) -> Output {
 /// What wgpu says where the layer is not installed.
 const MISSING_LAYER: &str = "unable to find layer";
 
-/// Renders with every allocator, and with every estimator: so every kernel of a render runs, and again after others.
+/// Renders with every allocator, with every estimator and with every integrator: so every kernel of a render runs, and again after others.
 fn renders() -> impl Iterator<Item = Vec<&'static str>> {
     let tiny = "render --size 16x12 --spp 8 --initial-spp 2 --round-budget 2 --noise 0.0001 --device gpu -o a.png";
-    [("uniform", "bilateral"), ("paper", "bilateral"), ("atomic", "halves"), ("runs", "variance")].into_iter().map(
-        move |(allocator, estimator)| {
-            tiny.split(' ').chain(["--allocator", allocator, "--estimator", estimator]).collect()
-        },
-    )
+    [
+        ("uniform", "bilateral", "megakernel"),
+        ("paper", "bilateral", "megakernel"),
+        ("atomic", "halves", "lvc"),
+        ("runs", "variance", "megakernel"),
+        ("uniform", "bilateral", "lvc"),
+    ]
+    .into_iter()
+    .map(move |(allocator, estimator, integrator)| {
+        let choice = ["--allocator", allocator, "--estimator", estimator, "--integrator", integrator];
+        tiny.split(' ').chain(choice).collect()
+    })
 }
 
 #[test]

@@ -56,13 +56,22 @@ fn rooms_with_every_material() {
     }
 }
 
-/// Shading normals far from those of the triangles: light paths need the adjoint BSDF.
+/// Shading normals far from those of the triangles: light paths need the adjoint BSDF, which shows where connections do most of the work.
 #[test]
 fn smooth_normals() {
-    for (name, ball) in
-        [("diffuse", scenes::diffuse(0.8)), ("mirror", scenes::mirror(0.9)), ("glass", scenes::glass(1.5))]
-    {
-        assert_agreement(&scenes::smooth_room(ball), 4096, &format!("smooth {name}"));
+    for (name, scene) in [
+        ("diffuse ball", scenes::smooth_room(scenes::diffuse(0.8))),
+        ("mirror ball", scenes::smooth_room(scenes::mirror(0.9))),
+        ("glass ball", scenes::smooth_room(scenes::glass(1.5))),
+        ("walls", scenes::smooth_walls(scenes::mirror(0.9))),
+    ] {
+        let (prepared, expected) = path_traced(&scene, 4096);
+        for techniques in [BidirectionalTechniques::All, Connections] {
+            let settings = lvc(&scene, LIGHT_PATHS);
+            let light_cache = LightCacheSettings { techniques, ..settings.light_cache };
+            let pictures = rounds(&CpuExecutor, &prepared, &Settings { light_cache, ..settings }, ROUNDS, SAMPLES);
+            assert_rounds_have_expectation(&expected, &pictures, &format!("smooth {name}, {techniques:?}"));
+        }
     }
 }
 

@@ -201,6 +201,6 @@ fn too_many_light_paths_are_refused() {
     let mut scene = scenes::room(scenes::mirror(0.9), 1.0);
     scene.limits.max_depth = 1 << 20;
     let prepared = prepare(&scene);
-    let error = Renderer::new(&CpuExecutor, &prepared, &lvc(&scene, 1 << 24)).err().expect("too many");
+    let error = Renderer::new(&CpuExecutor, &prepared, &lvc(&scene, 1 << 22)).err().expect("too many");
     assert!(error.to_string().contains("--light-paths"), "{error}");
 }

@@ -6,6 +6,7 @@ use raystream_shaders::material::{DIELECTRIC, DIFFUSE, MIRROR, Material};
 use raystream_shaders::surface::Attributes;
 use raystream_shaders::texture::NO_TEXTURE;
 use raystream_shaders::triangle::{NO_ATTRIBUTES, Triangle};
+use std::ops::Range;
 
 /// Lambert's law.
 pub fn diffuse(reflectance: f32) -> Material {
@@ -107,9 +108,9 @@ pub fn add_ball(scene: &mut Scene, centre: Vec3, radius: f32, subdivisions: u32,
     }
 }
 
-/// Makes the triangles from number `first` on smooth, with normals away from `centre`.
-pub fn smooth(scene: &mut Scene, first: usize, centre: Vec3) {
-    for triangle in &mut scene.triangles[first..] {
+/// Makes these triangles smooth, with normals away from `centre`.
+pub fn smooth(scene: &mut Scene, triangles: Range<usize>, centre: Vec3) {
+    for triangle in &mut scene.triangles[triangles] {
         let normal = |edge: Vec3| (triangle.corner + edge - centre).normalize();
         triangle.attributes = scene.attributes.len() as u32;
         scene.attributes.push(Attributes {
@@ -130,7 +131,16 @@ pub fn smooth_room(ball: Material) -> Scene {
     scene.triangles.truncate(first);
     let centre = Vec3::new(0.68, 0.22, 0.6);
     add_ball(&mut scene, centre, 0.2, 1, material);
-    smooth(&mut scene, first, centre);
+    let last = scene.triangles.len();
+    smooth(&mut scene, first..last, centre);
+    scene
+}
+
+/// The [`room`] with walls that are shaded as a ball around it would be: up to 55 degrees from what they are.
+pub fn smooth_walls(ball: Material) -> Scene {
+    let mut scene = room(ball, 1.0);
+    // They are what the room begins with.
+    smooth(&mut scene, 0..12, Vec3::splat(0.5));
     scene
 }
 

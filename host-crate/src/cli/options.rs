@@ -85,8 +85,8 @@ pub struct SettingsArguments {
     bvh: Bvh,
 }
 
-/// Light paths of a round, at most: more would not fit beside a scene.
-const MAX_LIGHT_PATHS: i64 = 1 << 24;
+/// Light paths of a round, at most: as many as a stream has slots.
+const MAX_LIGHT_PATHS: i64 = 1 << 22;
 
 /// Where random numbers come from.
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -20,7 +20,8 @@
 //!   that of the pilot run and not of the round's own cache: an estimate does well, since any number gives weights that sum to 1.
 //!
 //! The samples of a round share its cache. Their errors are not quite independent of each other, and the picture depends on how it is cut into rounds; so
-//! rounds are no longer than [`REUSE`] slots for each vertex, and their length follows from the pilot run, not from time. Without lights, or
+//! rounds are no longer than [`REUSE`] slots for each vertex, and their length follows from the pilot run, not from time. The rays of light paths are not
+//! in the film's count of rays, since they belong to no pixel. Without lights, or
 //! where paths are too short to be connected, there is no cache and what is left is the path tracer.
 
 use super::{Integrator, IntegratorContext, StreamBuffers};
@@ -42,7 +43,7 @@ const MAX_PATHS_PER_VERTEX: f64 = 4.0;
 /// Connections by the pilot run, at most.
 const MAX_PILOT_CONNECTIONS: f64 = 4.0;
 /// Slots that share a vertex, at most.
-const REUSE: f64 = 8.0;
+const REUSE: f64 = 4.0;
 /// Light paths of the pilot run.
 const PILOT_PATHS: u32 = 4096;
 /// The pilot run is the round of this number, which no render reaches.
@@ -51,8 +52,8 @@ const PILOT_ROUND: u32 = u32::MAX;
 const SCRATCH_BYTES: u64 = 256 << 20;
 /// Bytes of a vertex.
 const VERTEX_BYTES: u64 = ROWS_PER_VERTEX as u64 * size_of::<UVec4>() as u64;
-/// Rows are counted by 32 bits.
-const MAX_SCRATCH_BYTES: u64 = (1 << 29) * VERTEX_BYTES;
+/// The same where it is said. Far more than is of use, and few enough that 32 bits count their rows.
+const MAX_SCRATCH_BYTES: u64 = 4 << 30;
 /// What buffers of vertices are called in errors.
 const LABEL: &str = "light vertices (--light-paths and --max-depth make fewer)";
 
