@@ -64,6 +64,7 @@ fn smooth_normals() {
         ("mirror ball", scenes::smooth_room(scenes::mirror(0.9))),
         ("glass ball", scenes::smooth_room(scenes::glass(1.5))),
         ("walls", scenes::smooth_walls(scenes::mirror(0.9))),
+        ("glowing walls", scenes::glowing_smooth_box()),
     ] {
         let (prepared, expected) = path_traced(&scene, 4096);
         for techniques in [BidirectionalTechniques::All, Connections] {

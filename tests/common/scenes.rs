@@ -144,6 +144,16 @@ pub fn smooth_walls(ball: Material) -> Scene {
     scene
 }
 
+/// A closed box whose walls emit and reflect, and are shaded as a ball around it would be.
+pub fn glowing_smooth_box() -> Scene {
+    let high = Vec3::new(1.0, 1.2, 1.5);
+    let mut scene = empty(Vec3::new(0.3, 0.4, 0.1), Vec3::new(0.6, 0.5, 1.0));
+    let wall = add_material(&mut scene, emissive(0.3, 0.9));
+    add_box(&mut scene, Vec3::ZERO, high, true, wall);
+    smooth(&mut scene, 0..12, high * 0.5);
+    scene
+}
+
 /// A closed room with a lamp, a diffuse block and a ball of `ball`'s material: all of the path tracer's cases at once.
 pub fn room(ball: Material, scale: f32) -> Scene {
     let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale;
