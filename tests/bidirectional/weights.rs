@@ -142,7 +142,7 @@ impl Path {
     }
 
     /// Density per area with which a path from the light finds vertex `i`.
-    fn from_light(&self, i: usize) -> f64 {
+    fn light_density(&self, i: usize) -> f64 {
         match i {
             0 => f64::from(self.light_pdf),
             1 => self.per_area(self.emission_pdf(), 0, 1),
@@ -155,7 +155,7 @@ impl Path {
     }
 
     /// Density per area with which a path from the camera finds vertex `i`; that of the first is the same for all techniques.
-    fn from_camera(&self, i: usize) -> f64 {
+    fn camera_density(&self, i: usize) -> f64 {
         if i + 1 == self.segments() { 1.0 } else { self.per_area(self.solid_angle_pdf(i + 2, i + 1, i), i + 1, i) }
     }
 
@@ -163,8 +163,8 @@ impl Path {
     fn expected_weights(&self) -> Vec<Option<f64>> {
         let segments = self.segments();
         let density = |s: usize| -> f64 {
-            let light: f64 = (0..s).map(|i| self.from_light(i)).product();
-            let camera: f64 = (s..segments).map(|i| self.from_camera(i)).product();
+            let light: f64 = (0..s).map(|i| self.light_density(i)).product();
+            let camera: f64 = (s..segments).map(|i| self.camera_density(i)).product();
             f64::from(self.samples.of(s as u32)) * light * camera
         };
         let squares: Vec<Option<f64>> =

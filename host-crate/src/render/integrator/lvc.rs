@@ -11,16 +11,16 @@
 //!
 //! A short pilot run before the first round finds how many vertices a light path has. From it follow
 //!
-//! - the number of light paths `N`: as many as give the cache one vertex for each pixel, up to [`MAX_VERTICES`]; at most [`MAX_PATHS_PER_VERTEX`] times
+//! - the number of light paths `N`: as many as give the cache one vertex for each pixel, up to 2^20; at most four times
 //!   as many as vertices are wanted, since where most paths leave no vertex, more of them cost more than they bring; and as many as memory has
 //!   room for, if all are as long as they may be;
-//! - the number of connections `M`: as many as a light path has vertices, up to [`MAX_PILOT_CONNECTIONS`]. Then connections weigh what they weigh where
+//! - the number of connections `M`: as many as a light path has vertices, up to 4. Then connections weigh what they weigh where
 //!   each eye path is connected to a light path of its own;
 //! - the number of samples by which connections are weighed. It must be the same for all paths of the render, so it is
 //!   that of the pilot run and not of the round's own cache: an estimate does well, since any number gives weights that sum to 1.
 //!
 //! The samples of a round share its cache. Their errors are not quite independent of each other, and the picture depends on how it is cut into rounds; so
-//! rounds are no longer than [`REUSE`] slots for each vertex, and their length follows from the pilot run, not from time. The rays of light paths are not
+//! rounds are no longer than four slots for each vertex, and their length follows from the pilot run, not from time. The rays of light paths are not
 //! in the film's count of rays, since they belong to no pixel. Without lights, or
 //! where paths are too short to be connected, there is no cache and what is left is the path tracer.
 
