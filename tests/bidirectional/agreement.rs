@@ -4,7 +4,7 @@
 
 use super::common::scenes::{self, add_ball, add_box, add_material, add_quad};
 use super::common::statistics::assert_rounds_have_expectation;
-use super::common::{prepare, render, settings, with_gpu};
+use super::common::{large_scenes, prepare, render, settings, with_gpu};
 use super::renders::{lvc, rounds};
 use glam::{DVec3, Vec3};
 use raystream::exec::cpu::CpuExecutor;
@@ -13,7 +13,7 @@ use raystream::render::BidirectionalTechniques::{
     self, Connections, Emission, WithoutConnections, WithoutLightSampling,
 };
 use raystream::render::{LightCacheSettings, PreparedScene, Settings};
-use raystream::scene::{FilmSize, Scene, load_named};
+use raystream::scene::{FilmSize, Scene, load, load_named};
 
 /// Rounds of a picture.
 const ROUNDS: usize = 256;
@@ -45,6 +45,16 @@ fn shipped(name: &str) -> Scene {
 fn the_pictures_of_shipped_scenes() {
     for (name, samples) in [("cornell_ball", 1024), ("cornell_glass", 4096), ("opening", 16384), ("caustics", 8192)] {
         assert_agreement(&shipped(name), samples, name);
+    }
+}
+
+#[test]
+fn the_pictures_of_the_large_scenes() {
+    let Some(folder) = large_scenes() else { return };
+    for name in ["sibenik", "conference"] {
+        let mut scene = load(&folder.join(name).join(name).with_extension("json")).expect("it is there");
+        scene.film = FilmSize { width: 16, height: 12 };
+        assert_agreement(&scene, 2048, name);
     }
 }
 

@@ -69,11 +69,11 @@ pub struct SettingsArguments {
     /// How to compute a path's contribution.
     #[arg(long, value_enum, default_value_t)]
     integrator: IntegratorKind,
-    /// Light paths of each round of the integrator lvc [default: by a pilot run, as many as leave about one vertex for each pixel, up to 2^20].
+    /// Light paths of each round of the integrator lvc [default: by a pilot run, as many as leave about one vertex for each pixel, but no more than pixels, up to 2^20].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_LIGHT_PATHS))]
     light_paths: Option<u32>,
     /// Connections of each vertex of an eye path to light vertices, in the integrator lvc [default: by a pilot run, as many as a light path has vertices,
-    /// from 1 to 4].
+    /// 1 or 2].
     #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CONNECTIONS)))]
     connections: Option<u32>,
     /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there. Details smaller than that cast no

@@ -5,8 +5,8 @@
 pub struct LightCacheSettings {
     /// Light paths of each round, at least 1; by default as many as give the cache about one vertex for each pixel.
     pub light_paths: Option<u32>,
-    /// Connections of each diffuse vertex of an eye path, 1 to [`MAX_CONNECTIONS`](raystream_shaders::lvc::MAX_CONNECTIONS); by default about as many
-    /// as a light path has vertices.
+    /// Connections of each diffuse vertex of an eye path, 1 to [`MAX_CONNECTIONS`](raystream_shaders::lvc::MAX_CONNECTIONS); by default 1 or 2, by how
+    /// many vertices a light path has.
     pub connections: Option<u32>,
     /// What finds light.
     pub techniques: BidirectionalTechniques,

@@ -48,7 +48,7 @@ const SHIPPED: [ShippedScene; 6] = [
     },
     ShippedScene {
         name: "opening",
-        description: "Box lit through a small opening in its ceiling: only what bounces off a spot on the floor lights the rest",
+        description: "Box lit through a small opening in its ceiling: what is seen is lit by a spot on the floor behind the camera",
         geometry: SceneGeometry::BuiltIn,
     },
     ShippedScene {

@@ -11,16 +11,17 @@
 //!
 //! A short pilot run before the first round finds how many vertices a light path has. From it follow
 //!
-//! - the number of light paths `N`: as many as give the cache one vertex for each pixel, up to 2^20; at most four times
-//!   as many as vertices are wanted, since where most paths leave no vertex, more of them cost more than they bring; and as many as memory has
+//! - the number of light paths `N`: as many as give the cache one vertex for each pixel, up to 2^20. There are no more than
+//!   vertices are wanted, since where most paths leave no vertex, more of them cost more than they bring; and as many as memory has
 //!   room for, if all are as long as they may be;
-//! - the number of connections `M`: as many as a light path has vertices, up to 4. Then connections weigh what they weigh where
-//!   each eye path is connected to a light path of its own;
+//! - the number of connections `M`: as many as a light path has vertices, but at most 2. As many as that would give connections the weight that they
+//!   have where each eye path is connected to a light path of its own; but a connection costs a ray, and where next-event estimation does well
+//!   most of these rays are wasted;
 //! - the number of samples by which connections are weighed. It must be the same for all paths of the render, so it is
 //!   that of the pilot run and not of the round's own cache: an estimate does well, since any number gives weights that sum to 1.
 //!
 //! The samples of a round share its cache. Their errors are not quite independent of each other, and the picture depends on how it is cut into rounds; so
-//! rounds are no longer than four slots for each vertex, and their length follows from the pilot run, not from time. The rays of light paths are not
+//! rounds are no longer than four slots for each light path or vertex, whichever are more, and their length follows from the pilot run, not from time. The rays of light paths are not
 //! in the film's count of rays, since they belong to no pixel. Without lights, or
 //! where paths are too short to be connected, there is no cache and what is left is the path tracer.
 
@@ -38,11 +39,9 @@ use std::ops::Range;
 
 /// Vertices that the cache holds on average, at most, unless it is said how many light paths to trace.
 const MAX_VERTICES: f64 = (1 << 20) as f64;
-/// Light paths for each vertex that is wanted, at most.
-const MAX_PATHS_PER_VERTEX: f64 = 4.0;
 /// Connections by the pilot run, at most.
-const MAX_PILOT_CONNECTIONS: f64 = 4.0;
-/// Slots that share a vertex, at most.
+const MAX_PILOT_CONNECTIONS: f64 = 2.0;
+/// Slots in a round for each light path or vertex, at most.
 const REUSE: f64 = 4.0;
 /// Light paths of the pilot run.
 const PILOT_PATHS: u32 = 4096;
@@ -167,7 +166,7 @@ fn automatic_light_paths<E: Executor>(
 ) -> u32 {
     let size = context.settings.size;
     let wanted = (f64::from(size.width) * f64::from(size.height)).min(MAX_VERTICES);
-    let paths = (wanted / vertices_per_path).min(wanted * MAX_PATHS_PER_VERTEX).ceil();
+    let paths = (wanted / vertices_per_path.max(1.0)).ceil();
     let room = SCRATCH_BYTES.min(context.executor.limits().buffer_bytes - VERTEX_BYTES);
     let fitting = room / (u64::from(light_segments) * VERTEX_BYTES);
     (paths as u64).min(fitting).max(1) as u32
@@ -257,6 +256,7 @@ impl<E: Executor> Integrator<E> for Lvc<E::Buffer> {
     }
 
     fn slots_of_round(&self) -> u64 {
-        if self.light_paths == 0 { u64::MAX } else { (REUSE * self.vertices).max(1.0) as u64 }
+        let many = self.vertices.max(f64::from(self.light_paths));
+        if self.light_paths == 0 { u64::MAX } else { (REUSE * many) as u64 }
     }
 }
