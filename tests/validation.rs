@@ -27,6 +27,8 @@ fn renders() -> impl Iterator<Item = Vec<&'static str>> {
         ("paper", "bilateral", "regeneration"),
         ("atomic", "halves", "streaming"),
         ("runs", "variance", "megakernel"),
+        ("uniform", "bilateral", "lvc"),
+        ("runs", "halves", "lvc"),
     ]
     .into_iter()
     .map(move |(allocator, estimator, integrator)| {

@@ -118,6 +118,39 @@ macro_rules! for_each_kernel {
                 scatter 11 rows: $crate::glam::UVec4,
                 scatter 12 contributions: $crate::film::Contribution,
             }
+            /// Traces light paths for the light vertex cache.
+            trace_light_paths[128] = $crate::lvc::light_path::trace_light_paths {
+                uniform 0 parameters: $crate::lvc::LvcParams,
+                read 1 nodes: $crate::glam::UVec4,
+                read 2 triangles: $crate::glam::UVec4,
+                read 3 attributes: $crate::surface::Attributes,
+                read 4 materials: $crate::material::Material,
+                read 5 lights: $crate::light::Light,
+                read 6 texels: u32,
+                write 7 counts: u32,
+                scatter 8 scratch: $crate::glam::UVec4,
+            }
+            /// Puts the vertices of all light paths close together.
+            gather_vertices[256] phased($crate::prefix::PHASES, $crate::prefix::Memory) = $crate::lvc::cache::gather_vertices {
+                uniform 0 parameters: $crate::lvc::cache::GatherParams,
+                read 1 counts: u32,
+                read 2 offsets: u32,
+                read 3 scratch: $crate::glam::UVec4,
+                scatter 4 cache: $crate::glam::UVec4,
+            }
+            /// Traces the paths of a stream, which connect to the light vertex cache.
+            trace_eye_paths[128] = $crate::lvc::eye_path::trace_eye_paths {
+                uniform 0 parameters: $crate::lvc::LvcParams,
+                read 1 slots: $crate::stream::Slot,
+                read 2 nodes: $crate::glam::UVec4,
+                read 3 triangles: $crate::glam::UVec4,
+                read 4 attributes: $crate::surface::Attributes,
+                read 5 materials: $crate::material::Material,
+                read 6 lights: $crate::light::Light,
+                read 7 texels: u32,
+                read 8 cache: $crate::glam::UVec4,
+                write 9 contributions: $crate::film::Contribution,
+            }
             /// Adds a window's contributions to the film, every pixel its own run.
             accumulate_runs[256] = $crate::film::accumulate_runs {
                 uniform 0 parameters: $crate::stream::RunWindow,

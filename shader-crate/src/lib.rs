@@ -6,7 +6,8 @@
 //!
 //! Reading order, along one sample: [`tiles`] and [`stream`] (which pixel a slot traces), [`sampler`],
 //! [`camera`], [`path`] (the tracer), [`bvh`] and [`triangle`], [`surface`], [`material`], [`light`],
-//! and back into the [`film`]. [`wavefront`] and [`regeneration`] walk the same paths in other orders. Between rounds, [`guide`], [`filter`] and [`estimate`] say where the film is wrong, and [`runs`] spends
+//! and back into the [`film`]. [`wavefront`] and [`regeneration`] walk the same paths in other orders, [`lvc`] traces bidirectionally.
+//! Between rounds, [`guide`], [`filter`] and [`estimate`] say where the film is wrong, and [`runs`] spends
 //! the next samples there.
 #![no_std]
 #![deny(missing_docs)]
@@ -24,6 +25,7 @@ pub mod filter;
 pub mod guide;
 pub mod kernels;
 pub mod light;
+pub mod lvc;
 pub mod material;
 pub mod math;
 pub mod paper;

@@ -4,6 +4,7 @@ use crate::access::at;
 use crate::device_struct;
 use crate::glam::Vec3;
 use crate::math::triangle_normal;
+use crate::ray::SurfacePoint;
 use crate::wide::{Wide, multiply};
 
 device_struct! {
@@ -51,6 +52,15 @@ pub struct LightPoint {
     pub radiance: Vec3,
     /// Density per area, choice included.
     pub pdf: f32,
+    /// The largest magnitude that entered the position, in world units.
+    pub magnitude: f32,
+}
+
+impl LightPoint {
+    /// Where it is, and how a ray leaves it, see [`SurfacePoint::offset_roundings`].
+    pub fn point(&self, offset_roundings: f32) -> SurfacePoint {
+        SurfacePoint { position: self.position, normal: self.normal, magnitude: self.magnitude, offset_roundings }
+    }
 }
 
 /// The lights of a scene.
@@ -95,6 +105,7 @@ impl<'a> LightView<'a> {
             normal: triangle_normal(light.edge1, light.edge2),
             radiance: light.radiance,
             pdf: light.pdf,
+            magnitude: (light.corner.abs() + light.edge1.abs() + light.edge2.abs()).max_element(),
         }
     }
 }

@@ -308,8 +308,8 @@ impl Path {
     }
 }
 
-/// The direction in which a path goes on.
-fn sample_bsdf(surface: &Surface, incoming: Vec3, u: [f32; 2], lobe: f32) -> BsdfSample {
+/// The direction in which a path goes on, from uniform numbers for the direction and for the lobe.
+pub fn sample_bsdf(surface: &Surface, incoming: Vec3, u: [f32; 2], lobe: f32) -> BsdfSample {
     let material = &surface.material;
     if material.kind == DIFFUSE {
         sample_diffuse(material.reflectance, surface.normal, u)

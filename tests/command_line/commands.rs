@@ -76,7 +76,9 @@ fn lists() {
     );
     assert!(!devices.stdout.contains("CPU, CPU"), "{}", devices.stdout);
     let scenes = run(folder.path(), "scenes").succeeded().stdout;
-    for part in ["cornell_ball (the default)", "cornell_glass", "sibenik", "conference", "https://"] {
+    for part in
+        ["cornell_ball (the default)", "cornell_glass", "opening", "caustics", "sibenik", "conference", "https://"]
+    {
         assert!(scenes.contains(part), "{scenes}");
     }
 }

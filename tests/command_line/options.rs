@@ -29,6 +29,17 @@ fn options_that_are_wrong() {
         ("render --device cpu --seed -1", &["-1"]),
         ("render --device cpu --exposure nan", &["--exposure", "stops"]),
         ("render --device cpu --sampler halton", &["--sampler", "sobol"]),
+        ("render --device cpu --integrator bdpt", &["--integrator", "lvc"]),
+        ("render --device cpu --light-paths 0", &["--light-paths", "1.."]),
+        ("render --device cpu --light-paths 99999999", &["--light-paths", "1.."]),
+        ("render --device cpu --light-paths many", &["--light-paths", "many"]),
+        ("render --device cpu --connections 0", &["--connections", "1..=64"]),
+        ("render --device cpu --connections 65", &["--connections", "1..=64"]),
+        ("render --device cpu --connections=-1", &["--connections", "-1"]),
+        (
+            "render --device cpu --integrator lvc --light-paths 4000000 --max-depth 9999",
+            &["--light-paths", "--max-depth"],
+        ),
         ("render --device cpu --unknown", &["--unknown"]),
         ("bench rays --device cpu --repetitions 0", &["--repetitions"]),
         ("bench paths --device cpu --time 0", &["--time"]),
@@ -43,7 +54,18 @@ fn options_that_are_wrong() {
 #[test]
 fn the_help_of_every_command() {
     let folder = tempfile::tempdir().unwrap();
-    let settings = ["--size", "--seed", "--sampler", "--max-depth", "--rr-depth", "--integrator", "--bvh", "--device"];
+    let settings = [
+        "--size",
+        "--seed",
+        "--sampler",
+        "--max-depth",
+        "--rr-depth",
+        "--integrator",
+        "--light-paths",
+        "--connections",
+        "--bvh",
+        "--device",
+    ];
     let render = ["--output", "--spp", "[default: 64", "--time", "--exposure", "--tone-map", "--quiet"];
     let convergence = [
         "--allocators",

@@ -41,6 +41,24 @@ fn the_header_tells_how_it_was_made() {
 }
 
 #[test]
+fn bidirectional_renders_by_every_allocator() {
+    let folder = tempfile::tempdir().unwrap();
+    for allocator in ["uniform", "paper", "atomic", "runs"] {
+        let options = format!("opening --integrator lvc --allocator {allocator} --size 16x12 --spp 8 --initial-spp 2");
+        render(folder.path(), &format!("{options} --light-paths 300 --connections 2 -o a.exr")).succeeded();
+        let image = read_layers(&folder.path().join("a.exr")).unwrap();
+        assert!(image.channel("G").unwrap().iter().any(|&green| green > 0.0), "{allocator}");
+        let settings = read_settings(&folder.path().join("a.exr")).unwrap();
+        for (name, value) in [("integrator", "lvc"), ("light_paths", "300"), ("connections", "2")] {
+            assert!(settings.iter().any(|(key, text)| key.ends_with(name) && text == value), "{name} in {settings:?}");
+        }
+    }
+    render(folder.path(), "--integrator lvc --size 16x12 --spp 8 -o a.exr").succeeded();
+    let settings = read_settings(&folder.path().join("a.exr")).unwrap();
+    assert!(settings.iter().all(|(key, _)| !key.ends_with("light_paths")), "a pilot run decides: {settings:?}");
+}
+
+#[test]
 fn without_a_number_of_samples_there_are_64() {
     let folder = tempfile::tempdir().unwrap();
     render(folder.path(), "--size 4x3 -o a.exr").succeeded();

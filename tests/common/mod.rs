@@ -9,7 +9,9 @@ use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::device::{Device, OpenOptions};
 use raystream::exec::gpu::GpuExecutor;
 use raystream::film::Film;
-use raystream::render::{BvhQuality, IntegratorKind, PreparedScene, Renderer, Sampling, Settings, Techniques};
+use raystream::render::{
+    BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, Renderer, Sampling, Settings, Techniques,
+};
 use raystream::scene::Scene;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -90,5 +92,6 @@ pub fn settings(scene: &Scene) -> Settings {
         ray_offset: raystream_shaders::ray::OFFSET_ROUNDINGS,
         sampling: Sampling::UNIFORM,
         integrator: IntegratorKind::Megakernel,
+        light_cache: LightCacheSettings::default(),
     }
 }

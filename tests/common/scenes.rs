@@ -3,8 +3,10 @@
 use glam::Vec3;
 use raystream::scene::{CameraSettings, FilmSize, PathLimits, Scene};
 use raystream_shaders::material::{DIELECTRIC, DIFFUSE, MIRROR, Material};
+use raystream_shaders::surface::Attributes;
 use raystream_shaders::texture::NO_TEXTURE;
 use raystream_shaders::triangle::{NO_ATTRIBUTES, Triangle};
+use std::ops::Range;
 
 /// Lambert's law.
 pub fn diffuse(reflectance: f32) -> Material {
@@ -104,6 +106,52 @@ pub fn add_ball(scene: &mut Scene, centre: Vec3, radius: f32, subdivisions: u32,
     for face in faces {
         add_triangle(scene, face.map(|corner| centre + corner * radius), material);
     }
+}
+
+/// Makes these triangles smooth, with normals away from `centre`.
+pub fn smooth(scene: &mut Scene, triangles: Range<usize>, centre: Vec3) {
+    for triangle in &mut scene.triangles[triangles] {
+        let normal = |edge: Vec3| (triangle.corner + edge - centre).normalize();
+        triangle.attributes = scene.attributes.len() as u32;
+        scene.attributes.push(Attributes {
+            normal0: normal(Vec3::ZERO),
+            normal1: normal(triangle.edge1),
+            normal2: normal(triangle.edge2),
+            ..Attributes::default()
+        });
+    }
+}
+
+/// The [`room`] with a ball of so few triangles, but smooth normals, that shading normals are far from those of the triangles.
+pub fn smooth_room(ball: Material) -> Scene {
+    let mut scene = room(ball, 1.0);
+    // The ball is what the room ends with, 512 triangles.
+    let first = scene.triangles.len() - 512;
+    let material = scene.triangles[first].material;
+    scene.triangles.truncate(first);
+    let centre = Vec3::new(0.68, 0.22, 0.6);
+    add_ball(&mut scene, centre, 0.2, 1, material);
+    let last = scene.triangles.len();
+    smooth(&mut scene, first..last, centre);
+    scene
+}
+
+/// The [`room`] with walls that are shaded as a ball around it would be: up to 55 degrees from what they are.
+pub fn smooth_walls(ball: Material) -> Scene {
+    let mut scene = room(ball, 1.0);
+    // They are what the room begins with.
+    smooth(&mut scene, 0..12, Vec3::splat(0.5));
+    scene
+}
+
+/// A closed box whose walls emit and reflect, and are shaded as a ball around it would be.
+pub fn glowing_smooth_box() -> Scene {
+    let high = Vec3::new(1.0, 1.2, 1.5);
+    let mut scene = empty(Vec3::new(0.3, 0.4, 0.1), Vec3::new(0.6, 0.5, 1.0));
+    let wall = add_material(&mut scene, emissive(0.3, 0.9));
+    add_box(&mut scene, Vec3::ZERO, high, true, wall);
+    smooth(&mut scene, 0..12, high * 0.5);
+    scene
 }
 
 /// A closed room with a lamp, a diffuse block and a ball of `ball`'s material: all of the path tracer's cases at once.

@@ -9,13 +9,36 @@ fn total(film: &Film, pixels: impl Iterator<Item = usize> + Clone) -> (DVec3, DV
     (pixels.clone().map(|p| color[p].as_dvec3()).sum(), pixels.map(|p| variance[p].as_dvec3()).sum())
 }
 
-/// Asserts that two independent renders have the same expectation, for the whole picture and for every block of 4x4 pixels.
+/// Asserts that two independent renders have the same expectation, for the whole picture and for every block of 4x4 pixels. Their
+/// samples must be independent.
 ///
 /// Each comparison is a z-test by colour component. The limit is Bonferroni's for a false alarm in 1 of 10^4 test runs:
 /// about 5 standard errors for some 40 comparisons.
 pub fn assert_same_expectation(a: &Film, b: &Film, what: &str) {
     assert_eq!((a.width, a.height), (b.width, b.height));
-    let (width, height) = (a.width as usize, a.height as usize);
+    let total_of = |film| move |pixels: &[usize]| total(film, pixels.iter().copied());
+    assert_same_totals(a.width as usize, a.height as usize, &total_of(a), &total_of(b), what);
+}
+
+/// [`assert_same_expectation`] of a render whose samples are independent and of one whose rounds are, though samples within a round may not be:
+/// `rounds` are pictures, row by row from the top. Their spread tells the standard error, so there must be many.
+pub fn assert_rounds_have_expectation(film: &Film, rounds: &[Vec<DVec3>], what: &str) {
+    assert!(rounds.len() >= 100, "{what}: too few rounds to tell their spread");
+    let of_rounds = |pixels: &[usize]| {
+        let totals: Vec<DVec3> = rounds.iter().map(|round| pixels.iter().map(|&p| round[p]).sum()).collect();
+        let count = totals.len() as f64;
+        let mean = totals.iter().sum::<DVec3>() / count;
+        let spread = totals.iter().map(|total| (*total - mean) * (*total - mean)).sum::<DVec3>() / (count - 1.0);
+        (mean, spread / count)
+    };
+    let of_film = |pixels: &[usize]| total(film, pixels.iter().copied());
+    assert_same_totals(film.width as usize, film.height as usize, &of_rounds, &of_film, what);
+}
+
+/// Sum over some pixels, by component, and the variance of that sum.
+type Total<'a> = &'a dyn Fn(&[usize]) -> (DVec3, DVec3);
+
+fn assert_same_totals(width: usize, height: usize, a: Total<'_>, b: Total<'_>, what: &str) {
     let mut regions: Vec<(String, Vec<usize>)> = vec![("picture".into(), (0..width * height).collect())];
     for top in (0..height).step_by(4) {
         for left in (0..width).step_by(4) {
@@ -27,8 +50,8 @@ pub fn assert_same_expectation(a: &Film, b: &Film, what: &str) {
     }
     let limit = normal_quantile(1.0 - 0.5e-4 / (3 * regions.len()) as f64);
     for (name, pixels) in regions {
-        let (mean_a, variance_a) = total(a, pixels.iter().copied());
-        let (mean_b, variance_b) = total(b, pixels.iter().copied());
+        let (mean_a, variance_a) = a(&pixels);
+        let (mean_b, variance_b) = b(&pixels);
         for channel in 0..3 {
             let error = (variance_a[channel] + variance_b[channel]).sqrt();
             let difference = (mean_a[channel] - mean_b[channel]).abs();

@@ -1,8 +1,8 @@
 //! How much memory integrators ask for, and what they do where there is not enough: on a device that keeps accounts and computes nothing.
 
 use super::common::{large_scenes, prepare, settings};
+use clap::ValueEnum as _;
 use raystream::exec::{ExecError, Executor, Launch, Limits};
-use raystream::render::integrator::create;
 use raystream::render::integrator::wavefront::Wavefront;
 use raystream::render::{AllocatorKind, IntegratorKind, Renderer, Sampling, Settings};
 use raystream::scene::{FilmSize, load, load_named};
@@ -74,9 +74,6 @@ impl Executor for Accounts {
     }
 }
 
-const KINDS: [IntegratorKind; 4] =
-    [IntegratorKind::Megakernel, IntegratorKind::Compaction, IntegratorKind::Regeneration, IntegratorKind::Streaming];
-
 /// 3840x2160 pixels, 1024 samples each, in less than 4 GiB, whatever the integrator and the allocator.
 #[test]
 fn a_large_picture_fits_4_gib() {
@@ -86,7 +83,7 @@ fn a_large_picture_fits_4_gib() {
     }
     for scene in scenes {
         let (name, prepared) = (scene.name.clone(), prepare(&scene));
-        for integrator in KINDS {
+        for &integrator in IntegratorKind::value_variants() {
             for allocator in [AllocatorKind::Uniform, AllocatorKind::Paper, AllocatorKind::Atomic, AllocatorKind::Runs]
             {
                 let size = FilmSize { width: 3840, height: 2160 };
@@ -108,13 +105,20 @@ fn a_large_picture_fits_4_gib() {
     }
 }
 
+fn pool(kind: IntegratorKind, device: &Accounts, stream: u32) -> Result<Wavefront<Piece>, ExecError> {
+    match kind {
+        IntegratorKind::Compaction => Wavefront::compaction(device, stream),
+        _ => Wavefront::streaming(device, stream),
+    }
+}
+
 /// Pools shrink until they fit.
 #[test]
 fn pools_take_what_room_there_is() {
     let stream = 1 << 22;
     let wanted = |kind| {
         let device = Accounts::new(u64::MAX);
-        let _integrator = create(kind, &device, stream).unwrap();
+        let _pool = pool(kind, &device, stream).unwrap();
         device.used()
     };
     for kind in [IntegratorKind::Compaction, IntegratorKind::Streaming] {
@@ -122,12 +126,12 @@ fn pools_take_what_room_there_is() {
         assert!(whole > 100 << 20, "{kind:?}: {whole} bytes");
         for room in [whole, whole - 1, whole / 2, whole / 3] {
             let device = Accounts::new(room);
-            let _integrator = create(kind, &device, stream).unwrap();
+            let _pool = pool(kind, &device, stream).unwrap();
             let used = device.used();
             assert!(used <= room && used > room / 4, "{kind:?}: {used} of {room} bytes");
         }
         // Thousands of launches for a stream would be no help.
-        let refused = create(kind, &Accounts::new(whole / 100), stream).err().expect("there is no room").to_string();
+        let refused = pool(kind, &Accounts::new(whole / 100), stream).err().expect("there is no room").to_string();
         assert!(refused.contains("has no room for") && refused.contains("smaller picture"), "{refused}");
     }
 }

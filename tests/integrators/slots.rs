@@ -4,7 +4,6 @@ use super::tracing::{Case, OTHERS, cases, integrator};
 use raystream::exec::cpu::CpuExecutor;
 use raystream::render::IntegratorKind::{self, Compaction, Streaming};
 use raystream::render::Settings;
-use raystream::render::integrator::create;
 use raystream_shaders::film::Contribution;
 use raystream_shaders::stream::NO_PIXEL;
 
@@ -69,7 +68,7 @@ fn other_paths_are_other_bytes() {
     for change in changes {
         let [case, ..] = <[Case; 7]>::try_from(cases(300)).ok().unwrap();
         let other = case.with(change);
-        let integrator = create(Streaming, &CpuExecutor, 300).unwrap();
+        let integrator = integrator(&CpuExecutor, Streaming, 300, 300);
         let found = other.trace(&CpuExecutor, integrator.as_ref(), other.all()).0;
         let same = found.iter().zip(&expected).filter(|(a, b)| a == b).count();
         assert!(same < 250, "{}: {same} of 300 alike", other.name);

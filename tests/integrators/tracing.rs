@@ -91,6 +91,7 @@ impl Case {
 /// An integrator whose pool, where it has one, holds `pool` paths.
 pub fn integrator<E: Executor>(executor: &E, kind: IntegratorKind, stream: u32, pool: u32) -> Box<dyn Integrator<E>> {
     match kind {
+        IntegratorKind::Lvc => unreachable!("it walks other paths"),
         IntegratorKind::Megakernel => Box::new(Megakernel),
         IntegratorKind::Regeneration => Box::new(Regeneration::new(executor).unwrap()),
         IntegratorKind::Compaction => Box::new(Wavefront::of_capacity(executor, stream, pool, false).unwrap()),

@@ -20,7 +20,7 @@ pub struct IntegratorsArguments {
     #[arg(default_value = "cornell_ball", value_parser = parse_entry)]
     scenes: Vec<Entry>,
     /// Integrators to measure, separated by commas; megakernel, with which the others are compared, is measured in any case [default:
-    /// all, or the one that --integrator names].
+    /// all that walk the same paths, or the one that --integrator names].
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", conflicts_with = "integrator")]
     integrators: Vec<IntegratorKind>,
     /// How long to render with each integrator.
@@ -82,7 +82,9 @@ impl IntegratorsArguments {
     fn integrators(&self, chosen: IntegratorKind) -> Vec<IntegratorKind> {
         let mut others = self.integrators.clone();
         if others.is_empty() && chosen == IntegratorKind::Megakernel {
-            others = IntegratorKind::value_variants().to_vec();
+            // That of light vertices walks other paths: nothing of it is the megakernel's but the mean.
+            others =
+                IntegratorKind::value_variants().iter().copied().filter(|&kind| kind != IntegratorKind::Lvc).collect();
         } else if others.is_empty() {
             others.push(chosen);
         }

@@ -3,11 +3,12 @@
 use super::output::say;
 use crate::exec::ExecError;
 use crate::exec::device::{Device, OpenOptions};
-use crate::render::{BvhQuality, IntegratorKind, PreparedScene, Sampling, Settings, Techniques};
+use crate::render::{BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, Sampling, Settings, Techniques};
 use crate::scene::{self, FilmSize, Scene, SceneError};
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use raystream_shaders::lvc::MAX_CONNECTIONS;
 use raystream_shaders::ray::OFFSET_ROUNDINGS;
 use std::path::Path;
 use std::time::Duration;
@@ -68,6 +69,13 @@ pub struct SettingsArguments {
     /// How to compute a path's contribution.
     #[arg(long, value_enum, default_value_t)]
     integrator: IntegratorKind,
+    /// Light paths of each round of the integrator lvc [default: by a pilot run, as many as leave about one vertex for each pixel, but no more than pixels, up to 2^20].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_LIGHT_PATHS))]
+    light_paths: Option<u32>,
+    /// Connections of each vertex of an eye path to light vertices, in the integrator lvc [default: by a pilot run, as many as a light path has vertices,
+    /// 1 or 2].
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CONNECTIONS)))]
+    connections: Option<u32>,
     /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there. Details smaller than that cast no
     /// shadow; other renderers take some 1500.
     #[arg(long, default_value_t = OFFSET_ROUNDINGS, value_name = "N", value_parser = parse_ray_offset)]
@@ -76,6 +84,9 @@ pub struct SettingsArguments {
     #[arg(long, value_enum, default_value_t = Bvh::High)]
     bvh: Bvh,
 }
+
+/// Light paths of a round, at most: as many as a stream has slots.
+const MAX_LIGHT_PATHS: i64 = 1 << 22;
 
 /// Where random numbers come from.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -114,6 +125,11 @@ impl SettingsArguments {
             ray_offset: self.ray_offset,
             sampling: Sampling::UNIFORM,
             integrator: self.integrator,
+            light_cache: LightCacheSettings {
+                light_paths: self.light_paths,
+                connections: self.connections,
+                ..LightCacheSettings::default()
+            },
         }
     }
 
@@ -129,14 +145,20 @@ impl SettingsArguments {
     /// The settings as pairs of name and value, for a picture's header.
     pub fn describe(&self, settings: &Settings) -> Vec<(String, String)> {
         let pair = |name: &str, value: String| (name.to_owned(), value);
-        vec![
+        let mut pairs = vec![
             pair("seed", settings.seed.to_string()),
             pair("sampler", format!("{:?}", self.sampler).to_lowercase()),
             pair("max_depth", settings.max_depth.to_string()),
             pair("rr_depth", settings.roulette_depth.to_string()),
             pair("ray_offset", settings.ray_offset.to_string()),
             pair("integrator", format!("{:?}", self.integrator).to_lowercase()),
-        ]
+        ];
+        if settings.integrator == IntegratorKind::Lvc {
+            let number = |name, number: Option<u32>| number.map(|number| pair(name, number.to_string()));
+            pairs.extend(number("light_paths", settings.light_cache.light_paths));
+            pairs.extend(number("connections", settings.light_cache.connections));
+        }
+        pairs
     }
 }
 

@@ -5,7 +5,7 @@ use super::batch::BatchSize;
 use super::estimation::{ComingRound, Estimation, Noise};
 use super::features::first_hits;
 use super::film::FilmBuffers;
-use super::integrator;
+use super::integrator::{self, IntegratorContext};
 use super::round::{Parts, Round, Stage, allocate_stream};
 use super::settings::{Settings, Timings};
 use super::{AllocatorKind, PreparedScene, Sampling, SceneBuffers};
@@ -55,6 +55,9 @@ impl<'e, E: Executor> Renderer<'e, E> {
         let scene_buffers = SceneBuffers::new(executor, scene)?;
         let film = FilmBuffers::new(executor, settings.size)?;
         let (slots, contributions) = allocate_stream(executor)?;
+        let parameters = scene.parameters(settings);
+        let context = IntegratorContext { executor, scene: &scene_buffers, parameters: &parameters, settings };
+        let integrator = integrator::create(&context, slots.len() as u32)?;
         let sampling = settings.sampling;
         let is_uniform = sampling.allocator == AllocatorKind::Uniform;
         let adaptive = (!is_uniform).then(|| allocator::create(sampling.allocator, executor, film.pixels()));
@@ -62,15 +65,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
         let estimation = estimates.then(|| Estimation::new(executor, settings.size));
         Ok(Self {
             batch: BatchSize::new(slots.len() as u32),
-            stage: Stage {
-                integrator: integrator::create(settings.integrator, executor, slots.len() as u32)?,
-                executor,
-                scene: scene_buffers,
-                film,
-                parameters: scene.parameters(settings),
-                slots,
-                contributions,
-            },
+            stage: Stage { integrator, executor, scene: scene_buffers, film, parameters, slots, contributions },
             sampling,
             uniform: Uniform::new(executor)?,
             adaptive: adaptive.transpose()?,
@@ -103,9 +98,12 @@ impl<'e, E: Executor> Renderer<'e, E> {
     pub fn step(&mut self, paths_left: u64, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
         let pixels = u64::from(self.pixels());
         let samples_left = (paths_left / pixels).clamp(1, u64::from(u32::MAX)) as u32;
+        let samples_left = samples_left.min(self.samples_of_cache());
         if self.adaptive.is_none() {
+            // Where the length of rounds shows in the film, it must not follow from time.
             let one_batch = (u64::from(self.batch.slots()) / pixels).max(1) as u32;
-            return self.round(one_batch.min(samples_left), after_batch);
+            let samples = if self.samples_of_cache() < u32::MAX { samples_left } else { one_batch.min(samples_left) };
+            return self.round(samples, after_batch);
         }
         let samples = (self.paths / pixels) as u32;
         if samples < self.sampling.initial_samples {
@@ -114,7 +112,8 @@ impl<'e, E: Executor> Renderer<'e, E> {
         self.adaptive_round(paths_left, after_batch)
     }
 
-    /// Gives every pixel `samples` more samples, in as many batches as it takes. `after_batch` is called with the number of paths that
+    /// Gives every pixel `samples` more samples, in one round of as many batches as it takes. How samples are cut into rounds changes the film with the integrator `lvc`
+    /// alone, whose light paths are those of the round. `after_batch` is called with the number of paths that
     /// each has traced.
     pub fn round(&mut self, samples: u32, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
         let paths = u64::from(samples) * u64::from(self.pixels());
@@ -144,10 +143,15 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(timings)
     }
 
+    /// Samples of each pixel in a round, at most, by [`Integrator::slots_of_round`](integrator::Integrator::slots_of_round).
+    fn samples_of_cache(&self) -> u32 {
+        (self.stage.integrator.slots_of_round() / u64::from(self.pixels())).clamp(1, u64::from(u32::MAX)) as u32
+    }
+
     /// Samples of the coming round, on average over the pixels.
     fn samples_of_round(&self) -> f64 {
         let pixels = f64::from(self.pixels());
-        let largest = self.stage.slots.len() as f64 / pixels;
+        let largest = (self.stage.slots.len() as f64 / pixels).min(f64::from(self.samples_of_cache()));
         self.sampling.samples_of_round(self.paths as f64 / pixels).min(largest)
     }
 

@@ -1,7 +1,7 @@
 //! What a render computes, and what it measures of itself.
 
 use super::camera::camera;
-use super::{PreparedScene, Sampling};
+use super::{LightCacheSettings, PreparedScene, Sampling};
 use crate::scene::FilmSize;
 use clap::ValueEnum;
 use glam::Vec3;
@@ -23,7 +23,7 @@ pub struct Settings {
     pub max_depth: u32,
     /// Segment after which roulette may end a path; above `max_depth` for none.
     pub roulette_depth: u32,
-    /// How light is looked for.
+    /// How path tracers look for light; `lvc` goes by [`LightCacheSettings::techniques`].
     pub techniques: Techniques,
     /// Radiance from where there is no surface, linear Rec.709.
     pub background: Vec3,
@@ -34,6 +34,8 @@ pub struct Settings {
     pub sampling: Sampling,
     /// How paths are computed.
     pub integrator: IntegratorKind,
+    /// Settings of the integrator `lvc`.
+    pub light_cache: LightCacheSettings,
 }
 
 /// How a path's contribution is computed; see [`crate::render::integrator`].
@@ -48,6 +50,8 @@ pub enum IntegratorKind {
     Regeneration,
     /// A pool of paths that advance by a segment at a time; stream compaction removes those that have ended, and the next samples take their places.
     Streaming,
+    /// Bidirectional: paths from the lights leave vertices in a cache, to which paths from the camera connect.
+    Lvc,
 }
 
 /// How light is looked for. All are unbiased where every technique can find all light; they differ in noise.

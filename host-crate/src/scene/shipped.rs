@@ -35,7 +35,7 @@ const ARCHIVE: &str = "https://casual-effects.com/data/";
 /// The scene that is rendered when none is named.
 pub const DEFAULT_SCENE: &str = "cornell_ball";
 
-const SHIPPED: [ShippedScene; 4] = [
+const SHIPPED: [ShippedScene; 6] = [
     ShippedScene {
         name: DEFAULT_SCENE,
         description: "Cornell box with a block and a mirror ball",
@@ -44,6 +44,16 @@ const SHIPPED: [ShippedScene; 4] = [
     ShippedScene {
         name: "cornell_glass",
         description: "Cornell box with a block and a glass ball, which throws a caustic",
+        geometry: SceneGeometry::BuiltIn,
+    },
+    ShippedScene {
+        name: "opening",
+        description: "Box lit through a small opening in its ceiling: what is seen is lit by a spot on the floor behind the camera",
+        geometry: SceneGeometry::BuiltIn,
+    },
+    ShippedScene {
+        name: "caustics",
+        description: "Cornell box lit only by a lamp inside a glass ball: all light is a caustic, or comes from one",
         geometry: SceneGeometry::BuiltIn,
     },
     ShippedScene {
@@ -100,6 +110,10 @@ built_in![
     "cornell_ball/cornell_ball.obj",
     "cornell_ball/cornell_ball.mtl",
     "cornell_glass/cornell_glass.json",
+    "opening/opening.json",
+    "opening/opening.obj",
+    "opening/opening.mtl",
+    "caustics/caustics.json",
     "sibenik/sibenik.json",
     "conference/conference.json",
 ];

@@ -3,7 +3,7 @@
 use super::configuration::value_name;
 use crate::exec::gpu::SPIRV;
 use crate::image::LayeredImage;
-use crate::render::{Settings, Techniques};
+use crate::render::{IntegratorKind, Settings, Techniques};
 use crate::scene::Scene;
 use sha2::{Digest, Sha256};
 
@@ -20,7 +20,7 @@ impl Identity {
             Techniques::LightSampling => "light",
             Techniques::BsdfSampling => "bsdf",
         };
-        Self(vec![
+        let mut pairs = vec![
             pair("scene", scene_digest(scene)),
             pair("kernels", hex(&Sha256::digest(SPIRV))),
             pair("size", format!("{}x{}", settings.size.width, settings.size.height)),
@@ -33,7 +33,11 @@ impl Identity {
             pair("background", settings.background.to_string()),
             pair("ray_offset", settings.ray_offset.to_string()),
             pair("integrator", value_name(&settings.integrator)),
-        ])
+        ];
+        if settings.integrator == IntegratorKind::Lvc {
+            pairs.push(pair("light_cache", format!("{:?}", settings.light_cache)));
+        }
+        Self(pairs)
     }
 
     /// The names of the values that differ in `stored`.
@@ -89,7 +93,7 @@ fn hex(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{IntegratorKind, Sampling};
+    use crate::render::{LightCacheSettings, Sampling};
     use crate::scene::{FilmSize, embedded};
     use glam::Vec3;
 
@@ -105,6 +109,7 @@ mod tests {
             ray_offset: 4.0,
             sampling: Sampling::UNIFORM,
             integrator: IntegratorKind::Megakernel,
+            light_cache: LightCacheSettings::default(),
         }
     }
 
@@ -138,6 +143,7 @@ mod tests {
             Settings { max_depth: 7, ..settings() },
             Settings { size: FilmSize { width: 3, height: 4 }, ..settings() },
             Settings { ray_offset: 5.0, ..settings() },
+            Settings { integrator: IntegratorKind::Lvc, ..settings() },
         ];
         for changed in &changed_settings {
             assert_ne!(one.short(), Identity::new(&scene, changed, 64).short());

@@ -3,7 +3,7 @@
 use super::occupancy::{self, Lanes};
 use crate::exec::{Array, ExecError, Executor};
 use crate::render::integrator::regeneration::RESIDENT;
-use crate::render::integrator::{Integrator, StreamBuffers, create};
+use crate::render::integrator::{Integrator, IntegratorContext, StreamBuffers, create};
 use crate::render::{IntegratorKind, PreparedScene, SceneBuffers, Settings, Techniques};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::path::PathParams;
@@ -12,6 +12,7 @@ use raystream_shaders::stream::Slot;
 /// A stream of runs of one length, in rank order.
 pub struct Stream<B> {
     scene: SceneBuffers<B>,
+    settings: Settings,
     parameters: PathParams,
     /// The same without light samples: paths take the same way, and their rays are their segments.
     without_shadow_rays: PathParams,
@@ -41,6 +42,7 @@ impl<B> Stream<B> {
         let slots: Vec<Slot> = (0..count).map(|k| Slot { rank: k / samples, sample: k % samples }).collect();
         Ok(Self {
             scene: SceneBuffers::new(executor, scene)?,
+            settings: *settings,
             parameters: scene.parameters(settings),
             without_shadow_rays: scene.parameters(&Settings { techniques: Techniques::BsdfSampling, ..*settings }),
             slots_there: Array::from_slice(executor, "the sample stream", &slots)?,
@@ -51,7 +53,10 @@ impl<B> Stream<B> {
 
     /// Traces it.
     pub fn trace<E: Executor<Buffer = B>>(&self, executor: &E, kind: IntegratorKind) -> Result<Traced, ExecError> {
-        let integrator = create(kind, executor, self.slots.len() as u32)?;
+        let settings = Settings { integrator: kind, ..self.settings };
+        let context =
+            IntegratorContext { executor, scene: &self.scene, parameters: &self.parameters, settings: &settings };
+        let integrator = create(&context, self.slots.len() as u32)?;
         let (contributions, active) = self.run(executor, integrator.as_ref(), &self.parameters)?;
         let lanes = if active.is_empty() {
             let (segments, _) = self.run(executor, integrator.as_ref(), &self.without_shadow_rays)?;

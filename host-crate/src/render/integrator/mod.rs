@@ -6,15 +6,17 @@
 //! | [`regeneration`] | a fixed number of threads, each takes the next slot when its path has ended |
 //! | `compaction` ([`wavefront`]) | all paths advance a segment at a time, terminated ones are removed |
 //! | `streaming` ([`wavefront`]) | likewise, and the next slots take their places |
+//! | [`lvc`] | bidirectional, with a cache of light vertices |
 //!
-//! All of them call the same functions of [`raystream_shaders::path`], which do the same arithmetic in the same order.
+//! All but the last call the same functions of [`raystream_shaders::path`], which do the same arithmetic in the same order.
 
+pub mod lvc;
 pub mod megakernel;
 mod passes;
 pub mod regeneration;
 pub mod wavefront;
 
-use super::{IntegratorKind, SceneBuffers};
+use super::{IntegratorKind, SceneBuffers, Settings};
 use crate::exec::{Array, ExecError, Executor, Launch};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::path::PathParams;
@@ -45,6 +47,12 @@ pub trait Integrator<E: Executor> {
     ) -> Result<Vec<u32>, ExecError> {
         Ok(Vec::new())
     }
+
+    /// Slots that should share what one [`begin_round`](Self::begin_round) makes, at most; a round may always have one for each pixel. Where there is a limit, contributions
+    /// may depend on the number of the round as well.
+    fn slots_of_round(&self) -> u64 {
+        u64::MAX
+    }
 }
 
 /// What integrators work on.
@@ -59,16 +67,28 @@ pub struct StreamBuffers<'a, B> {
     pub contributions: &'a Array<B, Contribution>,
 }
 
+/// What a new integrator may look at.
+pub struct IntegratorContext<'a, E: Executor> {
+    /// The device.
+    pub executor: &'a E,
+    /// The scene, there.
+    pub scene: &'a SceneBuffers<E::Buffer>,
+    /// What is the same for all paths; `threads` is 0.
+    pub parameters: &'a PathParams,
+    /// The render.
+    pub settings: &'a Settings,
+}
+
 /// A new integrator for streams of at most `capacity` slots; it asks for memory only as far as it needs it.
 pub fn create<E: Executor>(
-    kind: IntegratorKind,
-    executor: &E,
+    context: &IntegratorContext<'_, E>,
     capacity: u32,
 ) -> Result<Box<dyn Integrator<E>>, ExecError> {
-    Ok(match kind {
+    Ok(match context.settings.integrator {
         IntegratorKind::Megakernel => Box::new(megakernel::Megakernel),
-        IntegratorKind::Regeneration => Box::new(regeneration::Regeneration::new(executor)?),
-        IntegratorKind::Compaction => Box::new(wavefront::Wavefront::compaction(executor, capacity)?),
-        IntegratorKind::Streaming => Box::new(wavefront::Wavefront::streaming(executor, capacity)?),
+        IntegratorKind::Regeneration => Box::new(regeneration::Regeneration::new(context.executor)?),
+        IntegratorKind::Compaction => Box::new(wavefront::Wavefront::compaction(context.executor, capacity)?),
+        IntegratorKind::Streaming => Box::new(wavefront::Wavefront::streaming(context.executor, capacity)?),
+        IntegratorKind::Lvc => Box::new(lvc::Lvc::new(context)?),
     })
 }
