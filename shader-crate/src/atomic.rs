@@ -71,7 +71,7 @@ pub fn accumulate_atomic(
     while slot < end {
         let rank = at(slots, slot).rank;
         let mut sums =
-            FilmPixel { sum: Vec3::ZERO, samples: 0, sum_of_squares: Vec3::ZERO, rays: 0, odd_sum: Vec3::ZERO, pad: 0 };
+            FilmPixel { sum: Vec3::ZERO, samples: 0, sum_of_squares: Vec3::ZERO, rays: 1, odd_sum: Vec3::ZERO, pad: 0 };
         // The parity of sample numbers is that of the film's count.
         let first = at(slots, slot).sample;
         sums.samples = first & 1;
@@ -80,6 +80,8 @@ pub fn accumulate_atomic(
             slot += 1;
         }
         sums.samples -= first & 1;
+        // From 1 on, since naga takes a number for lost that comes from a loop and goes into an atomic as it is.
+        sums.rays -= 1;
         let pixel = rank.wrapping_sub(window.first_rank);
         if pixel < window.pixels {
             let first = pixel * PIXEL_WORDS;

@@ -98,13 +98,22 @@ pub fn accumulate_runs(lane: u32, window: &RunWindow, starts: &[u32], contributi
     }
     let contributions = ContributionView::new(contributions);
     let last = end - 1;
-    let load = |slot: u32| contributions.get(slot.min(last));
     let mut pixel = *film;
     // Sums must be taken in order, but loads need not wait for them. The next four are loaded a turn before they are added: a compiler that
     // has them in the same turn delays each until it is added, and a long run takes as long as its loads, one after the other.
-    let (mut a, mut b, mut c, mut d) = (load(slot), load(slot + 1), load(slot + 2), load(slot + 3));
+    let (mut a, mut b, mut c, mut d) = (
+        load(&contributions, last, slot),
+        load(&contributions, last, slot + 1),
+        load(&contributions, last, slot + 2),
+        load(&contributions, last, slot + 3),
+    );
     while slot < end {
-        let next = (load(slot + 4), load(slot + 5), load(slot + 6), load(slot + 7));
+        let next = (
+            load(&contributions, last, slot + 4),
+            load(&contributions, last, slot + 5),
+            load(&contributions, last, slot + 6),
+            load(&contributions, last, slot + 7),
+        );
         pixel.add(&a);
         if slot < last {
             pixel.add(&b);
@@ -119,6 +128,12 @@ pub fn accumulate_runs(lane: u32, window: &RunWindow, starts: &[u32], contributi
         (a, b, c, d) = next;
     }
     *film = pixel;
+}
+
+/// The contribution of `slot`, or of the last one.
+#[inline(always)]
+fn load(contributions: &ContributionView<'_>, last: u32, slot: u32) -> Contribution {
+    contributions.get(slot.min(last))
 }
 
 device_struct! {

@@ -47,8 +47,8 @@ impl<'a> TriangleView<'a> {
 
     /// The triangle number `index`, in the order of the BVH.
     pub fn get(&self, index: u32) -> Triangle {
-        let row = |number| at(self.rows, index * ROWS_PER_TRIANGLE + number);
-        Triangle::from_rows([row(0), row(1), row(2)])
+        let first = index * ROWS_PER_TRIANGLE;
+        Triangle::from_rows([at(self.rows, first), at(self.rows, first + 1), at(self.rows, first + 2)])
     }
 }
 

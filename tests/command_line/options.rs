@@ -7,6 +7,7 @@ fn options_that_are_wrong() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, parts) in [
         ("render --device voodoo", &["voodoo", "cpu"][..]),
+        ("render --device voodoo:2", &["voodoo:2", "cpu"]),
         ("render --device=", &["--device"]),
         ("render --device cpu --spp 0", &["--spp", "1.."]),
         ("render --device cpu --spp 99999999999", &["--spp"]),

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// The options that choose a device.
 #[derive(Args)]
 pub struct DeviceArguments {
-    /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name.
+    /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name; gpu:2 or NAME:2 is the second that fits.
     #[arg(long, default_value = "auto", value_name = "DEVICE", value_parser = NonEmptyStringValueParser::new())]
     device: String,
     #[command(flatten)]

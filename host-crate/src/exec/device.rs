@@ -17,7 +17,8 @@ pub enum Device {
 
 impl Device {
     /// Opens the device that `selection` names, whatever the case: `cpu`; `gpu`, the best GPU, a software one if there is no
-    /// other; `auto`, the best real GPU, else the CPU; or a part of a device's name.
+    /// other; `auto`, the best real GPU, else the CPU; or a part of a device's name. Of several that fit, `gpu:2` or `NAME:2` is the
+    /// second.
     ///
     /// # Errors
     /// If there is no such device, or it cannot run the kernels.
@@ -130,24 +131,28 @@ impl Devices {
     fn open(&self, selection: &str) -> Result<Device, ExecError> {
         let is_real = |adapter: &&wgpu::Adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu;
         let is_suitable = |adapter: &&wgpu::Adapter| unsuitable(adapter).is_none();
-        match selection {
-            "auto" => match self.adapters.iter().filter(is_real).find(is_suitable) {
+        let (name, number) = numbered(selection);
+        match name {
+            "auto" if number == 1 => match self.adapters.iter().filter(is_real).find(is_suitable) {
                 Some(adapter) => self.open_adapter(adapter).or_else(|error| {
                     tracing::warn!("{error}");
                     Ok(Device::Cpu(CpuExecutor))
                 }),
                 None => Ok(Device::Cpu(CpuExecutor)),
             },
-            "gpu" => match self.adapters.iter().find(is_suitable) {
-                Some(adapter) => self.open_adapter(adapter),
-                None => Err(ExecError::NoGpu),
-            },
-            name => {
-                let found = self.adapters.iter().find(|adapter| adapter.get_info().name.to_lowercase().contains(name));
-                match found {
+            "gpu" if !self.adapters.iter().any(|adapter| is_suitable(&adapter)) => Err(ExecError::NoGpu),
+            _ => {
+                let fits = |adapter: &&wgpu::Adapter| {
+                    if name == "gpu" {
+                        is_suitable(adapter)
+                    } else {
+                        adapter.get_info().name.to_lowercase().contains(name)
+                    }
+                };
+                match self.adapters.iter().filter(fits).nth(number - 1) {
                     Some(adapter) => self.open_adapter(adapter),
                     None => Err(ExecError::NoSuchDevice {
-                        name: name.into(),
+                        name: selection.into(),
                         known: self.list().into_iter().map(|info| info.name).collect::<Vec<_>>().join(", "),
                     }),
                 }
@@ -169,6 +174,12 @@ impl Devices {
     }
 }
 
+/// A selection, and which of the devices that fit it: from 1 on, the number after a colon at its end.
+fn numbered(selection: &str) -> (&str, usize) {
+    let numbered = selection.rsplit_once(':').and_then(|(name, number)| Some((name, number.parse().ok()?)));
+    numbered.filter(|&(_, number)| number > 0).unwrap_or((selection, 1))
+}
+
 fn unsuitable(adapter: &wgpu::Adapter) -> Option<String> {
     let limits = adapter.limits();
     if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
@@ -187,4 +198,17 @@ fn cpu_name() -> String {
 
 fn threads() -> String {
     format!("{} threads", rayon::current_num_threads())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::numbered;
+
+    #[test]
+    fn a_number_after_a_colon_chooses_among_devices() {
+        assert_eq!(numbered("gpu"), ("gpu", 1));
+        assert_eq!(numbered("gpu:3"), ("gpu", 3));
+        assert_eq!(numbered("radeon:0"), ("radeon:0", 1));
+        assert_eq!(numbered("some: thing"), ("some: thing", 1));
+    }
 }

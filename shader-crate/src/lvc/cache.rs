@@ -103,8 +103,13 @@ impl<'a> LightCache<'a> {
 
     /// The vertex number `index`.
     pub fn get(&self, index: u32) -> LightVertex {
-        let row = |number| at(self.rows, HEADER_ROWS + index * ROWS_PER_VERTEX + number);
-        LightVertex::from_rows([row(0), row(1), row(2), row(3)])
+        let first = HEADER_ROWS + index * ROWS_PER_VERTEX;
+        LightVertex::from_rows([
+            at(self.rows, first),
+            at(self.rows, first + 1),
+            at(self.rows, first + 2),
+            at(self.rows, first + 3),
+        ])
     }
 
     /// One of its vertices (there must be some), each as likely as the others, by 32 random `bits`.
