@@ -25,6 +25,10 @@ pub const ROWS_PER_NODE: u32 = 5;
 /// group on the stack. Whoever builds a [`BvhView`]'s buffer checks it.
 pub const MAX_DEPTH: u32 = 32;
 
+/// Nodes that a lane visits at most before the lanes that run in step with it test triangles. With 2 or 3, more lanes have some by then, and more have waited:
+/// an H200 traces 1 % to 5 % fewer paths.
+const VISITS: u32 = 1;
+
 /// A node group's bits of children still to visit.
 const PENDING: u32 = 0xff00_0000;
 /// Smallest magnitude of a direction's component in the box test: with it the reciprocal stays finite and an
@@ -77,29 +81,37 @@ impl<'a> BvhView<'a> {
         let mut group = UVec2::new(0, 0x8000_0000);
         let mut is_last = false;
         loop {
-            let place = 31 - group.y.leading_zeros();
-            let inner_mask = group.y;
-            group.y &= !(1 << place);
-            if group.y & PENDING != 0 {
-                *local_mut(&mut stack, stacked) = group;
-                stacked += 1;
-            }
-            let slot = (place ^ local.octant) & 7;
-            let preceding = (inner_mask & !(u32::MAX << slot) & 0xff).count_ones();
-            let node = self.node(group.x + preceding);
-            let hits = local.intersect(&node, hit.t);
-            group = UVec2::new(node.first_child(), hits & PENDING | node.inner_mask());
-            if group.y & PENDING == 0 {
-                if stacked == 0 {
-                    is_last = true;
-                } else {
-                    stacked -= 1;
-                    group = *local_mut(&mut stack, stacked);
+            let mut triangles;
+            let mut first_triangle;
+            let mut visits = 0;
+            loop {
+                let place = 31 - group.y.leading_zeros();
+                let inner_mask = group.y;
+                group.y &= !(1 << place);
+                if group.y & PENDING != 0 {
+                    *local_mut(&mut stack, stacked) = group;
+                    stacked += 1;
+                }
+                let slot = (place ^ local.octant) & 7;
+                let preceding = (inner_mask & !(u32::MAX << slot) & 0xff).count_ones();
+                let node = self.node(group.x + preceding);
+                let hits = local.intersect(&node, hit.t);
+                group = UVec2::new(node.first_child(), hits & PENDING | node.inner_mask());
+                triangles = hits & !PENDING;
+                first_triangle = node.first_triangle();
+                if group.y & PENDING == 0 {
+                    if stacked == 0 {
+                        is_last = true;
+                    } else {
+                        stacked -= 1;
+                        group = *local_mut(&mut stack, stacked);
+                    }
+                }
+                visits += 1;
+                if triangles != 0 || is_last || visits == VISITS {
+                    break;
                 }
             }
-
-            let first_triangle = node.first_triangle();
-            let mut triangles = hits & !PENDING;
             if triangles != 0 {
                 let mut index = first_triangle + triangles.trailing_zeros();
                 let mut triangle = self.triangles.get(index);

@@ -33,7 +33,7 @@ fn the_header_tells_how_it_was_made() {
         ("max_depth", "3"),
         ("rr_depth", "2"),
         ("sampler", "independent"),
-        ("integrator", "megakernel"),
+        ("integrator", "regeneration"),
         ("version", env!("CARGO_PKG_VERSION")),
     ] {
         assert!(settings.iter().any(|(key, text)| key.ends_with(name) && text == value), "{name} in {settings:?}");

@@ -81,7 +81,7 @@ impl IntegratorsArguments {
     /// The integrators to measure, megakernel first.
     fn integrators(&self, chosen: IntegratorKind) -> Vec<IntegratorKind> {
         let mut others = self.integrators.clone();
-        if others.is_empty() && chosen == IntegratorKind::Megakernel {
+        if others.is_empty() && chosen == IntegratorKind::default() {
             // That of light vertices walks other paths: nothing of it is the megakernel's but the mean.
             others =
                 IntegratorKind::value_variants().iter().copied().filter(|&kind| kind != IntegratorKind::Lvc).collect();

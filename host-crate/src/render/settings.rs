@@ -42,11 +42,11 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, ValueEnum)]
 pub enum IntegratorKind {
     /// One thread walks one path to its end.
-    #[default]
     Megakernel,
     /// All paths advance by a segment at a time; after each, stream compaction removes those that have ended.
     Compaction,
     /// A fixed number of threads, each of which takes the next sample as soon as its path has ended.
+    #[default]
     Regeneration,
     /// A pool of paths that advance by a segment at a time; stream compaction removes those that have ended, and the next samples take their places.
     Streaming,
