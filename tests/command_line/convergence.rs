@@ -114,13 +114,14 @@ fn the_reference_is_kept_and_checked() {
 #[test]
 fn integrators_are_set_against_each_other() {
     let folder = tempfile::tempdir().unwrap();
-    let lists = "--integrators streaming,lvc --reference-integrator lvc --allocators runs,atomic --spp 32 --levels 4,8 --initial-spp 2";
-    let stdout = run(folder.path(), &format!("{TINY} {lists} --repetitions 2"))
+    let command = "bench convergence cornell_ball@16x12 --device cpu --integrators streaming,lvc --reference-integrator lvc --spp 16 --levels 4,8 \
+                   --initial-spp 2 --reference-spp 32 --repetitions 2 --allocators runs,atomic --cache cache --output out";
+    let stdout = run(folder.path(), command)
         .succeeded()
         .says(&["rendering the reference by lvc with 32", "streaming-uniform, 2 of 2", "lvc-runs-bilateral, 1 of 2"])
         .stdout;
     for part in [
-        "integrators: streaming, lvc",
+        "integrators: streaming, lvc\n",
         "32 samples per pixel by lvc",
         "mean of streaming-uniform: at most",
         "mean of lvc-uniform: at most",

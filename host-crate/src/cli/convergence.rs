@@ -120,7 +120,7 @@ pub fn run(arguments: &ConvergenceArguments) -> Result<Ending, CliError> {
     Ok(Ending::Done)
 }
 
-const INTRODUCTION: &str = "# Adaptive against uniform sampling
+const INTRODUCTION: &str = "# Error over time
 
 Times are those of the rounds by the clock on the wall, the medians of the repetitions; errors are averaged over them. *Trimmed*
 errors leave out the worst 0.1 % of the pixels. Between checkpoints curves are interpolated in log-log scale, beyond their ends

@@ -195,6 +195,8 @@ mod tests {
         assert_errors(of(Lvc, Streaming, spread), 1.0, 0.01, LIMIT_BY_SPREAD);
         assert_errors(of(Streaming, Lvc, spread), 0.045, 0.1, LIMIT_BY_SPREAD);
         assert_errors(of(Streaming, Megakernel, spread), 0.1, 0.01, LIMIT);
+        let far = mean_difference(&film(3.0), 9.0, Lvc, &reference(Lvc), spread);
+        assert!(far.is_wrong() && !of(Lvc, Lvc, spread).is_wrong(), "{far:?}");
         // Pixels may vary more than the spread of their sum happens to say.
         let small = Some(Spread { variance: 0.0, samples: 3, shared: 3 });
         assert_errors(of(Lvc, Lvc, small), 0.1, 0.01, LIMIT_BY_SPREAD);

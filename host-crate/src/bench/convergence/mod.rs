@@ -8,6 +8,7 @@ mod check;
 mod configuration;
 mod curve;
 mod errors;
+mod gains;
 mod identity;
 mod interpolation;
 mod metric;
@@ -195,7 +196,7 @@ fn mean_sentence(name: &str, off: &Deviation) -> String {
         String::new()
     } else {
         format!(
-            "; samples of a round by lvc share light paths, so its standard error is by the spread of {} rounds",
+            " (the standard error of lvc, whose samples of a round share light paths, is by the spread of {} rounds)",
             check::ROUNDS
         )
     };

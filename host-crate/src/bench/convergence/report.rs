@@ -1,11 +1,12 @@
 //! Everything that was measured of a scene, as files and as tables to read.
 
 use super::configuration::value_name;
+use super::gains::Speedup;
 use super::metric::Metric;
 use super::pictures::{self, Pictures};
 use super::reference::Reference;
 use super::rounds::{Breakdown, millions_per_second, parts};
-use super::speedup::{Comparisons, REFERENCE_MARGIN, SMALLEST_FROM, Speedup, uniform_counterpart};
+use super::speedup::{Comparisons, REFERENCE_MARGIN, SMALLEST_FROM, uniform_counterpart};
 use super::tables::{curve_rows, round_rows};
 use super::{Measured, Measurement, Plan};
 use crate::bench::files::Folder;
