@@ -1,6 +1,7 @@
 //! `bench convergence` on a tiny picture.
 
 use crate::program::{Run, csv, names, run};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 const TINY: &str = "bench convergence cornell_ball@16x12 --device cpu --spp 8 --levels 4 --reference-spp 32 --repetitions 1 \
@@ -13,7 +14,7 @@ fn tiny(folder: &Path) -> Run {
 #[test]
 fn everything_is_written() {
     let folder = tempfile::tempdir().unwrap();
-    let stdout = tiny(folder.path()).says(&["rendering the reference with 32", "uniform, 1 of 1"]).stdout;
+    let stdout = tiny(folder.path()).says(&["rendering the reference by megakernel with 32", "uniform, 1 of 1"]).stdout;
     assert!(stdout.contains("## cornell_ball@16x12") && stdout.contains("runs-bilateral"), "{stdout}");
     let out = folder.path().join("out");
     assert_eq!(names(&out), ["cornell_ball@16x12", "report.md"]);
@@ -97,6 +98,111 @@ fn the_reference_is_kept_and_checked() {
     // Another depth is another picture, beside the first.
     run(folder.path(), &format!("{TINY} --max-depth 3")).succeeded().says(&["rendering the reference"]);
     assert_eq!(names(&cache).len(), 2);
+
+    // And so is one by another integrator, whose light paths count.
+    let by_lvc = format!("{TINY} --reference-integrator lvc");
+    run(folder.path(), &by_lvc).succeeded().says(&["rendering the reference by lvc with 32"]);
+    run(folder.path(), &by_lvc).succeeded().says(&["reference from"]);
+    run(folder.path(), &format!("{by_lvc} --connections 3")).succeeded().says(&["rendering the reference by lvc"]);
+    assert_eq!(names(&cache).len(), 4);
+    // They count for no other.
+    tiny(folder.path());
+    run(folder.path(), &format!("{TINY} --connections 3")).succeeded().says(&["reference from"]);
+    assert_eq!(names(&cache).len(), 4);
+}
+
+#[test]
+fn integrators_are_set_against_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let command = "bench convergence cornell_ball@16x12 --device cpu --integrators streaming,lvc --reference-integrator lvc --spp 16 --levels 4,8 \
+                   --initial-spp 2 --reference-spp 32 --repetitions 2 --allocators runs,atomic --cache cache --output out";
+    let stdout = run(folder.path(), command)
+        .succeeded()
+        .says(&["rendering the reference by lvc with 32", "streaming-uniform, 2 of 2", "lvc-runs-bilateral, 1 of 2"])
+        .stdout;
+    for part in [
+        "integrators: streaming, lvc\n",
+        "32 samples per pixel by lvc",
+        "mean of streaming-uniform: at most",
+        "mean of lvc-uniform: at most",
+        "the spread of 32 rounds",
+        "that `streaming-uniform` needs",
+        "each integrator by itself",
+    ] {
+        assert!(stdout.contains(part), "{part} is not in {stdout}");
+    }
+    let scene = folder.path().join("out/cornell_ball@16x12");
+    let in_order = |file: &str| {
+        let mut configurations: Vec<String> =
+            csv(&scene.join(file)).iter().map(|row| row["configuration"].clone()).collect();
+        configurations.dedup();
+        configurations
+    };
+    let all = [
+        "streaming-uniform",
+        "streaming-runs-bilateral",
+        "streaming-atomic-bilateral",
+        "lvc-uniform",
+        "lvc-runs-bilateral",
+        "lvc-atomic-bilateral",
+    ];
+    assert_eq!(in_order("curves.csv"), all);
+    assert_eq!(in_order("rounds.csv"), all);
+
+    // Each with what it is compared with, at two levels and by two errors.
+    let mut pairs = BTreeMap::new();
+    for row in csv(&scene.join("speedups.csv")) {
+        *pairs.entry((row["configuration"].clone(), row["baseline"].clone())).or_insert(0) += 1;
+    }
+    let expected = [
+        ("lvc-atomic-bilateral", "lvc-uniform"),
+        ("lvc-atomic-bilateral", "streaming-uniform"),
+        ("lvc-runs-bilateral", "lvc-atomic-bilateral"),
+        ("lvc-runs-bilateral", "lvc-uniform"),
+        ("lvc-runs-bilateral", "streaming-uniform"),
+        ("lvc-uniform", "streaming-uniform"),
+        ("streaming-atomic-bilateral", "streaming-uniform"),
+        ("streaming-runs-bilateral", "streaming-atomic-bilateral"),
+        ("streaming-runs-bilateral", "streaming-uniform"),
+    ];
+    let expected: BTreeMap<_, _> = expected.map(|(a, b)| ((a.to_owned(), b.to_owned()), 4)).into();
+    assert_eq!(pairs, expected);
+    for file in ["equal_time.csv", "smallest.csv"] {
+        let rows = csv(&scene.join(file));
+        assert!(
+            rows.iter().any(|row| row["configuration"] == "lvc-runs-bilateral" && row["baseline"] == "lvc-uniform")
+        );
+        assert!(rows.iter().all(|row| row["baseline"].ends_with("-uniform")), "{rows:?}");
+    }
+    let plot = std::fs::read_to_string(scene.join("convergence.svg")).unwrap();
+    assert!(all.iter().all(|name| plot.contains(name)), "{plot}");
+    assert!(names(&scene.join("equal-time")).contains(&"streaming-uniform.png".to_owned()));
+}
+
+#[test]
+fn one_integrator_is_in_no_name() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), &format!("{TINY} --integrators lvc,lvc"))
+        .succeeded()
+        .says(&["rendering the reference by megakernel", "uniform, 1 of 1"]);
+    let scene = folder.path().join("out/cornell_ball@16x12");
+    let speedups = csv(&scene.join("speedups.csv"));
+    assert!(speedups.iter().all(|row| row["configuration"] == "runs-bilateral" && row["baseline"] == "uniform"));
+    let report = std::fs::read_to_string(folder.path().join("out/report.md")).unwrap();
+    assert!(report.contains("integrator: lvc\n") && !report.contains("each integrator by itself"), "{report}");
+}
+
+#[test]
+fn scenes_that_ship_are_taken_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = "--device cpu --spp 4 --levels 2 --reference-spp 16 --repetitions 1 --allocators uniform --cache cache --output out";
+    let scenes = "opening@16x12 caustics@12x12";
+    run(
+        folder.path(),
+        &format!("bench convergence {scenes} --integrators megakernel,lvc --reference-integrator lvc {small}"),
+    )
+    .succeeded();
+    assert_eq!(names(&folder.path().join("out")), ["caustics@12x12", "opening@16x12", "report.md"]);
 }
 
 #[test]
@@ -111,6 +217,10 @@ fn arguments_that_are_wrong() {
         ("--spp 1000000", &["--spp"]),
         ("--repetitions 0", &["--repetitions"]),
         ("--reference-spp 3", &["--reference-spp", "4.."]),
+        ("--integrators streaming,photons", &["--integrators", "photons", "lvc"]),
+        ("--integrators ,", &["--integrators"]),
+        ("--reference-integrator photons", &["--reference-integrator", "photons", "lvc"]),
+        ("--reference-integrator streaming,lvc", &["--reference-integrator", "streaming,lvc"]),
         ("--allocators all", &["--allocators", "runs"]),
         ("--estimators guess", &["--estimators", "bilateral"]),
         ("--errors squared", &["--errors", "relative"]),

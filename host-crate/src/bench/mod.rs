@@ -1,4 +1,4 @@
-//! Measurements: traversal ([`rays`]), whole paths ([`paths`]), integrators side by side ([`integrators`]) and what adaptive sampling gains
+//! Measurements: traversal ([`rays`]), whole paths ([`paths`]), integrators side by side ([`integrators`]) and what adaptive sampling or another integrator gains
 //! ([`convergence`]). Each checks its own result before it gives a figure.
 
 pub mod convergence;

@@ -118,7 +118,9 @@ where
             .label(name)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
         if marks {
-            chart.draw_series(points.iter().map(|&point| Circle::new(point, 3, color.filled())))?;
+            // Where colours come again, marks are hollow.
+            let style = if index < COLORS.len() { color.filled() } else { color.stroke_width(1) };
+            chart.draw_series(points.iter().map(|&point| Circle::new(point, 3, style)))?;
         }
     }
     chart

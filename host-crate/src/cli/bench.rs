@@ -22,7 +22,7 @@ pub enum BenchCommand {
     Paths(PathsArguments),
     /// Integrators side by side: speed, memory, agreement, and how many paths are under way in each iteration.
     Integrators(IntegratorsArguments),
-    /// Error over time of adaptive and of uniform sampling: speed-ups at equal error, errors at equal time, and where the time goes.
+    /// Error over time of adaptive and of uniform sampling, with one integrator or several: speed-ups at equal error, errors at equal time, and where the time goes.
     Convergence(ConvergenceArguments),
 }
 

@@ -7,12 +7,12 @@ use super::progress::ProgressDisplay;
 use super::sampling::{EstimationArguments, RoundArguments};
 use super::{CliError, Ending};
 use crate::bench::convergence::{
-    Configuration, Identity, Plan, REFERENCE_SEEDS, Reference, checkpoints, measure, write_scene,
+    Configuration, Identity, Plan, REFERENCE_SEEDS, Reference, checkpoints, measure, value_name, write_scene,
 };
 use crate::bench::{About, Folder, SceneReport};
 use crate::exec::Executor;
 use crate::exec::device::Device;
-use crate::render::{AllocatorKind, Estimator, PreparedScene, Settings};
+use crate::render::{AllocatorKind, Estimator, IntegratorKind, PreparedScene, Settings};
 use crate::scene::Scene;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,14 @@ pub struct ConvergenceArguments {
     /// Scene files, or names of scenes that ship; each may end in @WIDTHxHEIGHT, the size of its picture.
     #[arg(default_values = ["cornell_ball", "cornell_ball@600x600"], value_parser = parse_entry)]
     scenes: Vec<Entry>,
-    /// Allocators to measure, separated by commas; uniform is measured in any case, once.
+    /// Integrators to measure, separated by commas: all allocators, estimators and measures with each of them, and uniform sampling with the first is what all are
+    /// compared with [default: the one that --integrator names].
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
+    integrators: Vec<IntegratorKind>,
+    /// Who renders the reference [default: the integrator that --integrator names].
+    #[arg(long, value_enum, value_name = "INTEGRATOR")]
+    reference_integrator: Option<IntegratorKind>,
+    /// Allocators to measure, separated by commas; uniform is measured in any case, once with each integrator.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_values_t = ALLOCATORS)]
     allocators: Vec<AllocatorKind>,
     /// Error estimators to measure with each of them.
@@ -113,7 +120,7 @@ pub fn run(arguments: &ConvergenceArguments) -> Result<Ending, CliError> {
     Ok(Ending::Done)
 }
 
-const INTRODUCTION: &str = "# Adaptive against uniform sampling
+const INTRODUCTION: &str = "# Error over time
 
 Times are those of the rounds by the clock on the wall, the medians of the repetitions; errors are averaged over them. *Trimmed*
 errors leave out the worst 0.1 % of the pixels. Between checkpoints curves are interpolated in log-log scale, beyond their ends
@@ -150,7 +157,22 @@ impl ConvergenceArguments {
 
     fn configurations(&self) -> Vec<Configuration> {
         let relative: Vec<bool> = self.errors.iter().map(|&measure| measure == ErrorMeasure::Relative).collect();
-        Configuration::combinations(&self.allocators, &self.estimators, &relative)
+        Configuration::combinations(&self.integrators(), &self.allocators, &self.estimators, &relative)
+    }
+
+    /// The integrators to measure, each once, at least one.
+    fn integrators(&self) -> Vec<IntegratorKind> {
+        let mut integrators = Vec::new();
+        for &integrator in &self.integrators {
+            if !integrators.contains(&integrator) {
+                integrators.push(integrator);
+            }
+        }
+        if integrators.is_empty() { vec![self.settings.integrator()] } else { integrators }
+    }
+
+    fn reference_integrator(&self) -> IntegratorKind {
+        self.reference_integrator.unwrap_or(self.settings.integrator())
     }
 
     fn cache_folder(&self) -> Result<PathBuf, String> {
@@ -183,7 +205,7 @@ impl ConvergenceArguments {
         self.tell(&format!("{label}: {} triangles, on {}", scene.triangles.len(), device.name()));
         let about = self.about(&label, &scene, &settings, device);
         let samples = self.reference_spp.unwrap_or(REFERENCE_FACTOR as u32 * self.spp);
-        let reference_settings = Reference::settings(&settings);
+        let reference_settings = Reference::settings(&settings, self.reference_integrator());
         let identity = Identity::new(&scene, &reference_settings, samples);
         let prepared = self.settings.prepare(scene)?;
         let path = cache.file(&format!("{label}-{samples}spp-{}.exr", identity.short()));
@@ -204,12 +226,15 @@ impl ConvergenceArguments {
         identity: &Identity,
         path: &Path,
     ) -> Result<Reference, CliError> {
-        match Reference::load(path, identity, samples) {
+        match Reference::load(path, identity, samples, settings.integrator) {
             Ok(Some(reference)) => {
                 self.tell(&format!("    reference from {}", path.display()));
                 return Ok(reference);
             }
-            Ok(None) => self.tell(&format!("    rendering the reference with {samples} samples per pixel")),
+            Ok(None) => {
+                let by = value_name(&settings.integrator);
+                self.tell(&format!("    rendering the reference by {by} with {samples} samples per pixel"));
+            }
             Err(reason) => {
                 say(&format!("    {} cannot be used, {reason}: rendering the reference again", path.display()))
             }
@@ -232,7 +257,14 @@ impl ConvergenceArguments {
             fact("samples per pixel", self.spp.to_string()),
             fact("repetitions", self.repetitions.to_string()),
         ];
-        facts.extend(self.settings.describe(settings));
+        let integrators = self.integrators();
+        let by_lvc = integrators.iter().chain([&self.reference_integrator()]).any(|&i| i == IntegratorKind::Lvc);
+        // The settings of the light cache are told where they count.
+        let integrator = if by_lvc { IntegratorKind::Lvc } else { settings.integrator };
+        let described = self.settings.describe(&Settings { integrator, ..*settings });
+        facts.extend(described.into_iter().filter(|(name, _)| name != "integrator"));
+        let listed: Vec<_> = integrators.iter().map(value_name).collect();
+        facts.push(fact(if listed.len() > 1 { "integrators" } else { "integrator" }, listed.join(", ")));
         facts.push(fact("version", env!("CARGO_PKG_VERSION").into()));
         About { label: label.to_owned(), facts }
     }

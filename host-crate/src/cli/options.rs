@@ -112,6 +112,11 @@ impl SettingsArguments {
         self.seed
     }
 
+    /// The integrator.
+    pub fn integrator(&self) -> IntegratorKind {
+        self.integrator
+    }
+
     /// The settings for `scene`.
     pub fn settings(&self, scene: &Scene) -> Settings {
         Settings {

@@ -143,6 +143,11 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(timings)
     }
 
+    /// Samples of each pixel that may share light paths, those of a round, at most; nothing where all samples are independent of each other.
+    pub fn samples_that_share(&self) -> Option<u32> {
+        Some(self.samples_of_cache()).filter(|&samples| samples < u32::MAX)
+    }
+
     /// Samples of each pixel in a round, at most, by [`Integrator::slots_of_round`](integrator::Integrator::slots_of_round).
     fn samples_of_cache(&self) -> u32 {
         (self.stage.integrator.slots_of_round() / u64::from(self.pixels())).clamp(1, u64::from(u32::MAX)) as u32

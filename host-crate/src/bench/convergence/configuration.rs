@@ -1,11 +1,13 @@
-//! What is measured against what: allocator, estimator, and the error's measure.
+//! What is measured against what: integrator, allocator, estimator, and the error's measure.
 
-use crate::render::{AllocatorKind, Estimator, Sampling};
+use crate::render::{AllocatorKind, Estimator, IntegratorKind, Sampling, Settings};
 use clap::ValueEnum;
 
-/// One way to spend samples.
+/// One way to spend samples, and who computes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Configuration {
+    /// Who turns samples into radiance.
+    pub integrator: IntegratorKind,
     /// Who decides which pixels a round samples.
     pub allocator: AllocatorKind,
     /// What the error of a pixel is taken to be.
@@ -15,23 +17,36 @@ pub struct Configuration {
 }
 
 impl Configuration {
-    /// Every pixel equally: what all others are measured against.
-    pub const UNIFORM: Self = Self {
-        allocator: Sampling::UNIFORM.allocator,
-        estimator: Sampling::UNIFORM.estimator,
-        relative: Sampling::UNIFORM.relative,
-    };
+    /// Every pixel equally: what the others with `integrator` are measured against.
+    pub const fn uniform(integrator: IntegratorKind) -> Self {
+        let Sampling { allocator, estimator, relative, .. } = Sampling::UNIFORM;
+        Self { integrator, allocator, estimator, relative }
+    }
 
-    /// Uniform sampling first, then every combination of the three lists, each once.
-    pub fn combinations(allocators: &[AllocatorKind], estimators: &[Estimator], relative: &[bool]) -> Vec<Self> {
-        let mut all = vec![Self::UNIFORM];
-        for &allocator in allocators.iter().filter(|&&a| a != AllocatorKind::Uniform) {
-            for &estimator in estimators {
-                for &relative in relative {
-                    let configuration = Self { allocator, estimator, relative };
-                    if !all.contains(&configuration) {
-                        all.push(configuration);
-                    }
+    /// For each integrator uniform sampling first, then every combination of the other three lists; each once. So the first of all is what all are
+    /// measured against.
+    pub fn combinations(
+        integrators: &[IntegratorKind],
+        allocators: &[AllocatorKind],
+        estimators: &[Estimator],
+        relative: &[bool],
+    ) -> Vec<Self> {
+        let adaptive = allocators.iter().filter(|&&allocator| allocator != AllocatorKind::Uniform);
+        let ways: Vec<_> = adaptive
+            .flat_map(|&allocator| estimators.iter().map(move |&estimator| (allocator, estimator)))
+            .flat_map(|way| relative.iter().map(move |&relative| (way, relative)))
+            .collect();
+        let mut all = Vec::new();
+        for &integrator in integrators {
+            let adaptive = ways.iter().map(|&((allocator, estimator), relative)| Self {
+                integrator,
+                allocator,
+                estimator,
+                relative,
+            });
+            for configuration in std::iter::once(Self::uniform(integrator)).chain(adaptive) {
+                if !all.contains(&configuration) {
+                    all.push(configuration);
                 }
             }
         }
@@ -43,8 +58,8 @@ impl Configuration {
         self.allocator == AllocatorKind::Uniform
     }
 
-    /// `uniform`, `runs-bilateral`, `runs-bilateral-relative` ...
-    pub fn name(self) -> String {
+    /// How samples are spent: `uniform`, `runs-bilateral`, `runs-bilateral-relative` ...
+    fn sampling_name(self) -> String {
         if self.is_uniform() {
             return value_name(&self.allocator);
         }
@@ -52,9 +67,19 @@ impl Configuration {
         format!("{}-{}{measure}", value_name(&self.allocator), value_name(&self.estimator))
     }
 
-    /// `base` with this configuration's choices.
-    pub fn sampling(self, base: Sampling) -> Sampling {
-        Sampling { allocator: self.allocator, estimator: self.estimator, relative: self.relative, ..base }
+    /// What it is called among `all`: `runs-bilateral` where all have one integrator, else `lvc-runs-bilateral`.
+    pub fn name_among(self, all: &[Self]) -> String {
+        if all.iter().all(|other| other.integrator == self.integrator) {
+            return self.sampling_name();
+        }
+        format!("{}-{}", value_name(&self.integrator), self.sampling_name())
+    }
+
+    /// `settings` with this configuration's choices; `base` says what else there is to sampling.
+    pub fn settings(self, settings: &Settings, base: Sampling) -> Settings {
+        let sampling =
+            Sampling { allocator: self.allocator, estimator: self.estimator, relative: self.relative, ..base };
+        Settings { integrator: self.integrator, sampling, ..*settings }
     }
 }
 
@@ -66,15 +91,24 @@ pub fn value_name(value: &impl ValueEnum) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use AllocatorKind::{Atomic, Runs, Uniform};
+    use Estimator::{Bilateral, Variance};
+    use IntegratorKind::{Lvc, Megakernel, Streaming};
+
+    fn names(all: &[Configuration]) -> Vec<String> {
+        all.iter().map(|c| c.name_among(all)).collect()
+    }
 
     #[test]
     fn uniform_comes_once_and_the_others_in_all_combinations() {
-        use AllocatorKind::{Atomic, Runs, Uniform};
-        use Estimator::{Bilateral, Variance};
-        let all = Configuration::combinations(&[Runs, Uniform, Atomic, Runs], &[Bilateral, Variance], &[false, true]);
-        let names: Vec<_> = all.iter().map(|c| c.name()).collect();
+        let all = Configuration::combinations(
+            &[Megakernel],
+            &[Runs, Uniform, Atomic, Runs],
+            &[Bilateral, Variance],
+            &[false, true],
+        );
         assert_eq!(
-            names,
+            names(&all),
             [
                 "uniform",
                 "runs-bilateral",
@@ -87,6 +121,37 @@ mod tests {
                 "atomic-variance-relative",
             ]
         );
-        assert_eq!(Configuration::combinations(&[Uniform], &[Bilateral], &[true]), [Configuration::UNIFORM]);
+        assert!(all.iter().all(|c| c.integrator == Megakernel));
+        assert_eq!(
+            Configuration::combinations(&[Lvc], &[Uniform], &[Bilateral], &[true]),
+            [Configuration::uniform(Lvc)]
+        );
+    }
+
+    #[test]
+    fn every_integrator_has_its_own_and_is_named_where_there_are_several() {
+        let all = Configuration::combinations(
+            &[Streaming, Lvc, Streaming],
+            &[Runs, Uniform],
+            &[Bilateral, Variance],
+            &[false],
+        );
+        assert_eq!(
+            names(&all),
+            [
+                "streaming-uniform",
+                "streaming-runs-bilateral",
+                "streaming-runs-variance",
+                "lvc-uniform",
+                "lvc-runs-bilateral",
+                "lvc-runs-variance",
+            ]
+        );
+        assert_eq!(all[0], Configuration::uniform(Streaming));
+        assert_eq!(all[3], Configuration::uniform(Lvc));
+        assert_eq!(
+            names(&Configuration::combinations(&[Lvc, Lvc], &[Runs], &[Bilateral], &[true])),
+            ["uniform", "runs-bilateral-relative"]
+        );
     }
 }

@@ -152,6 +152,17 @@ mod tests {
     }
 
     #[test]
+    fn the_light_cache_counts_for_its_integrator_alone() {
+        let scene = embedded().unwrap();
+        let light_cache = LightCacheSettings { connections: Some(3), ..LightCacheSettings::default() };
+        for integrator in [IntegratorKind::Megakernel, IntegratorKind::Streaming, IntegratorKind::Lvc] {
+            let plain = Identity::new(&scene, &Settings { integrator, ..settings() }, 64);
+            let other = Identity::new(&scene, &Settings { integrator, light_cache, ..settings() }, 64);
+            assert_eq!(plain != other, integrator == IntegratorKind::Lvc, "{integrator:?}");
+        }
+    }
+
+    #[test]
     fn other_kernels_are_a_difference_under_the_same_name() {
         let scene = embedded().unwrap();
         let identity = Identity::new(&scene, &settings(), 64);

@@ -62,7 +62,7 @@ pub fn write<E: Executor>(
         let squares: Vec<f32> = squared_errors(&image, &reference.image).into_iter().map(|v| v as f32).collect();
         // Uniform sampling comes first.
         let brightest = *brightest.get_or_insert_with(|| quantile(squares.clone(), RANGE));
-        let name = configuration.name();
+        let name = measured.name.clone();
         write_png(&folder.file(&format!("{name}.png")), &image, &Display::default())?;
         let title = format!("{name}: squared error after {seconds:.3} s");
         let path = folder.file(&format!("{name}-error.png"));

@@ -5,7 +5,7 @@ use crate::bench::BenchError;
 use crate::exec::Executor;
 use crate::film::Film;
 use crate::image::{Channel, ColorImage, ImageError, LayeredImage, read_layers, read_settings, write_layers};
-use crate::render::{Budget, PreparedScene, Progress, Renderer, Sampling, Settings, run};
+use crate::render::{Budget, IntegratorKind, PreparedScene, Progress, Renderer, Sampling, Settings, run};
 use glam::Vec3;
 use std::path::Path;
 use std::time::Instant;
@@ -18,12 +18,15 @@ pub const REFERENCE_SEEDS: [u32; 2] = [0x7265_6665, 0x7265_6666];
 pub struct Reference {
     /// Mean radiance.
     pub image: ColorImage,
-    /// Variance of each pixel's mean, taking samples as independent: an upper bound where they are stratified.
+    /// Variance of each pixel's mean, taking samples as independent: an upper bound where they are stratified. Errors of different pixels are independent,
+    /// too, unless the integrator is `lvc`.
     pub variance: Vec<Vec3>,
     /// Half the difference of the two pictures, which errs as much as their mean does.
     pub difference: Vec<Vec3>,
     /// Samples per pixel.
     pub samples: u32,
+    /// Who computed it.
+    pub integrator: IntegratorKind,
 }
 
 /// The channels that are stored.
@@ -33,9 +36,9 @@ const CHANNELS: [&str; 9] =
 const PIXELS: &str = "pixels";
 
 impl Reference {
-    /// What a reference is rendered with where `settings` are measured.
-    pub fn settings(settings: &Settings) -> Settings {
-        Settings { seed: REFERENCE_SEEDS[0], sampling: Sampling::UNIFORM, ..*settings }
+    /// What a reference is rendered with by `integrator` where `settings` are measured.
+    pub fn settings(settings: &Settings, integrator: IntegratorKind) -> Settings {
+        Settings { seed: REFERENCE_SEEDS[0], sampling: Sampling::UNIFORM, integrator, ..*settings }
     }
 
     /// Renders one of `samples` per pixel, at least 4. `settings` are those of [`Self::settings`].
@@ -60,10 +63,10 @@ impl Reference {
         };
         let first = half(REFERENCE_SEEDS[0], samples - samples / 2)?;
         let second = half(REFERENCE_SEEDS[1], samples / 2)?;
-        Ok(Self::of_halves(&first, &second, samples))
+        Ok(Self::of_halves(&first, &second, samples, settings.integrator))
     }
 
-    fn of_halves(first: &Film, second: &Film, samples: u32) -> Self {
+    fn of_halves(first: &Film, second: &Film, samples: u32, integrator: IntegratorKind) -> Self {
         let share = (samples - samples / 2) as f32 / samples as f32;
         let combine = |a: Vec<Vec3>, b: Vec<Vec3>, of_a: f32, of_b: f32| -> Vec<Vec3> {
             a.into_iter().zip(b).map(|(a, b)| a * of_a + b * of_b).collect()
@@ -77,6 +80,7 @@ impl Reference {
             variance: combine(first.variance(), second.variance(), share * share, (1.0 - share) * (1.0 - share)),
             difference: combine(first.color(), second.color(), 0.5, -0.5),
             samples,
+            integrator,
         }
     }
 
@@ -103,11 +107,16 @@ impl Reference {
         write_layers(path, &image, &header)
     }
 
-    /// Reads what [`Self::store`] wrote; nothing if there is no such file.
+    /// Reads what [`Self::store`] wrote of a picture of `samples` per pixel by `integrator`; nothing if there is no such file.
     ///
     /// # Errors
     /// Why the file cannot be used: it cannot be read, is damaged, or is a picture of something else.
-    pub fn load(path: &Path, identity: &Identity, samples: u32) -> Result<Option<Self>, String> {
+    pub fn load(
+        path: &Path,
+        identity: &Identity,
+        samples: u32,
+        integrator: IntegratorKind,
+    ) -> Result<Option<Self>, String> {
         if !path.try_exists().map_err(|error| error.to_string())? {
             return Ok(None);
         }
@@ -133,6 +142,7 @@ impl Reference {
             variance,
             difference,
             samples,
+            integrator,
         }))
     }
 }
@@ -148,11 +158,16 @@ mod tests {
             variance: vectors(0.1),
             difference: vectors(0.2),
             samples: 9,
+            integrator: IntegratorKind::Lvc,
         }
     }
 
     fn identity(value: &str) -> Identity {
         Identity(vec![("scene".into(), value.into()), ("seed".into(), "1".into())])
+    }
+
+    fn load(path: &Path, value: &str) -> Result<Option<Reference>, String> {
+        Reference::load(path, &identity(value), 9, IntegratorKind::Lvc)
     }
 
     #[test]
@@ -164,7 +179,7 @@ mod tests {
             let pixel = FilmPixel { sum: Vec3::splat(2.0 * mean), samples: 2, sum_of_squares, ..Default::default() };
             Film { width: 1, height: 1, radiance: vec![pixel], features: Vec::new(), estimates: None }
         };
-        let reference = Reference::of_halves(&film(1.0), &film(3.0), 4);
+        let reference = Reference::of_halves(&film(1.0), &film(3.0), 4, IntegratorKind::Lvc);
         assert_eq!(reference.image.pixels, [Vec3::splat(2.0)]);
         assert_eq!(reference.noise(), 1.0);
         // The variance of a mean of 2 is 1, that of the mean of two such means half of it.
@@ -175,10 +190,10 @@ mod tests {
     fn what_was_stored_comes_back() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        assert_eq!(Reference::load(&path, &identity("one"), 9), Ok(None));
+        assert_eq!(load(&path, "one"), Ok(None));
         reference().store(&path, &identity("one")).unwrap();
-        assert_eq!(Reference::load(&path, &identity("one"), 9), Ok(Some(reference())));
-        assert_eq!(Reference::load(&path, &identity("two"), 9), Err("it differs in scene".into()));
+        assert_eq!(load(&path, "one"), Ok(Some(reference())));
+        assert_eq!(load(&path, "two"), Err("it differs in scene".into()));
     }
 
     #[test]
@@ -189,14 +204,14 @@ mod tests {
         let whole = std::fs::read(&path).unwrap();
         for length in 0..whole.len() {
             std::fs::write(&path, &whole[..length]).unwrap();
-            assert!(Reference::load(&path, &identity("one"), 9).is_err(), "cut to {length} bytes");
+            assert!(load(&path, "one").is_err(), "cut to {length} bytes");
         }
         for position in 0..whole.len() {
             let mut damaged = whole.clone();
             damaged[position] ^= 0x10;
             std::fs::write(&path, &damaged).unwrap();
             // Some bytes mean nothing to the pixels (the name of the software, say).
-            if let Ok(found) = Reference::load(&path, &identity("one"), 9) {
+            if let Ok(found) = load(&path, "one") {
                 assert_eq!(found, Some(reference()), "byte {position}");
             }
         }

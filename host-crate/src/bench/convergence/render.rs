@@ -18,8 +18,8 @@ pub struct Recorded {
     pub points: Vec<Point>,
     /// Every round, if that was wanted.
     pub rounds: Vec<Round>,
-    /// The picture of the last point.
-    pub last: ColorImage,
+    /// The film at the end.
+    pub film: Film,
 }
 
 /// Has `renderer`, which has rendered nothing yet, render to the last of `checkpoints` (samples per pixel, rising) and records errors against `reference`; also every round, if
@@ -72,8 +72,10 @@ pub fn record<E: Executor>(
         }
     }
     let points = looks.par_iter().map(|look| look.point(reference)).collect::<Result<Vec<_>, BenchError>>()?;
-    let last = looks.pop().ok_or_else(|| BenchError::Wrong("the render took no samples".into()))?.image;
-    Ok(Recorded { points, rounds, last })
+    if points.is_empty() {
+        return Err(BenchError::Wrong("the render took no samples".into()));
+    }
+    Ok(Recorded { points, rounds, film: renderer.film()? })
 }
 
 /// What was seen of a render on the way.

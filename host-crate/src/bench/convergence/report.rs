@@ -1,17 +1,20 @@
 //! Everything that was measured of a scene, as files and as tables to read.
 
+use super::configuration::value_name;
+use super::gains::Speedup;
+use super::metric::Metric;
 use super::pictures::{self, Pictures};
 use super::reference::Reference;
 use super::rounds::{Breakdown, millions_per_second, parts};
-use super::speedup::{Comparisons, Metric, REFERENCE_MARGIN, SMALLEST_FROM};
+use super::speedup::{Comparisons, REFERENCE_MARGIN, SMALLEST_FROM, uniform_counterpart};
 use super::tables::{curve_rows, round_rows};
-use super::{Measurement, Plan};
+use super::{Measured, Measurement, Plan};
 use crate::bench::files::Folder;
 use crate::bench::plot::{self, Curve};
 use crate::bench::tables::{Column, csv, markdown};
 use crate::bench::{About, BenchError, SceneReport};
 use crate::exec::Executor;
-use crate::render::{PreparedScene, Settings};
+use crate::render::{AllocatorKind, PreparedScene, Settings};
 
 /// Writes `curves.csv`, `rounds.csv`, `speedups.csv`, `equal_time.csv`, `smallest.csv`, the plots and the pictures of a scene to
 /// `folder`, and returns what to tell of it.
@@ -36,7 +39,7 @@ pub fn write_scene<E: Executor>(
     let breakdowns: Vec<(String, Breakdown)> = measurement
         .configurations
         .iter()
-        .map(|m| (m.configuration.name(), Breakdown::of(&m.rounds, &measurement.uniform_rates)))
+        .filter_map(|m| Some((m.name.clone(), Breakdown::of(&m.rounds, measurement.uniform_rates(m)?))))
         .collect();
     write_plots(measurement, &breakdowns, about, folder)?;
     let pictures = pictures::write(executor, scene, settings, plan, reference, measurement, &folder.folder(PICTURES)?)?;
@@ -46,9 +49,13 @@ pub fn write_scene<E: Executor>(
         tables += &format!("- {name}: {value}\n");
     }
     tables += &format!(
-        "- reference: {} samples per pixel, RMSE {noise:.2e} by its halves; errors below {REFERENCE_MARGIN} times that are limited by it\n",
-        reference.samples
+        "- reference: {} samples per pixel by {}, RMSE {noise:.2e} by its halves; errors below {REFERENCE_MARGIN} times that are limited by it\n",
+        reference.samples,
+        value_name(&reference.integrator)
     );
+    for mean in &measurement.means {
+        tables += &format!("- {mean}\n");
+    }
     for warning in &measurement.warnings {
         tables += &format!("- **warning**: {warning}\n");
     }
@@ -67,8 +74,8 @@ fn write_plots(
     folder: &Folder,
 ) -> Result<(), BenchError> {
     let curves = |metric: Metric, x: fn(&super::Point) -> f64| -> Vec<Curve> {
-        let points = |m: &super::Measured| m.curve.iter().map(|p| (x(p), metric.of(p))).collect();
-        measurement.configurations.iter().map(|m| (m.configuration.name(), points(m))).collect()
+        let points = |m: &Measured| m.curve.iter().map(|p| (x(p), metric.of(p))).collect();
+        measurement.configurations.iter().map(|m| (m.name.clone(), points(m))).collect()
     };
     let seconds = |p: &super::Point| p.wall.as_secs_f64();
     let samples = |p: &super::Point| p.samples;
@@ -101,23 +108,58 @@ fn summary(
     levels: &[u32],
     breakdowns: &[(String, Breakdown)],
 ) -> String {
-    let names: Vec<String> = measurement.configurations.iter().skip(1).map(|m| m.configuration.name()).collect();
     let mut text = String::new();
-    if !names.is_empty() {
-        text += "\nEqual error: the time (and the samples) that `uniform` needs, by what each configuration needs; the best in bold. A dash: \
-                 its curve does not span that error, see `speedups.csv`.\n\n";
-        text += &markdown(&equal_error(measurement, comparisons, levels, &names));
-        text += "\nEqual time: the error of `uniform`, by that of each configuration.\n\n";
-        text += &markdown(&equal_time(comparisons, levels, &names));
+    if let [first, others @ ..] = &measurement.configurations[..]
+        && !others.is_empty()
+    {
+        let baseline = &first.name;
+        let against_first: Vec<_> = others.iter().map(|other| Pair { configuration: other, baseline: first }).collect();
+        text += &format!(
+            "\nEqual error: the time (and the samples) that `{baseline}` needs, by what each configuration needs; the best in bold. A dash: \
+             its curve does not span that error, see `speedups.csv`.\n\n"
+        );
+        text += &markdown(&equal_error(comparisons, levels, &against_first));
+        text += &format!("\nEqual time: the error of `{baseline}`, by that of each configuration.\n\n");
+        text += &markdown(&equal_time(comparisons, levels, &against_first));
     }
-    let against_atomic = against_atomic(comparisons, levels, &names);
-    if let Some(columns) = against_atomic {
+    let against_own = against_own_uniform(&measurement.configurations);
+    if !against_own.is_empty() {
+        text += "\nEqual error, each integrator by itself: the time (and the samples) that uniform sampling with the same integrator needs, by what \
+                 each configuration needs; levels are those of that uniform sampling.\n\n";
+        text += &markdown(&equal_error(comparisons, levels, &against_own));
+    }
+    if let Some(columns) = against_atomic(measurement, comparisons, levels) {
         text += "\nEqual error: the time that `atomic` with the same estimator needs, by what each configuration needs.\n\n";
         text += &markdown(&columns);
     }
     text += "\nRounds, the first of each configuration aside (it is uniform): device time of an average round, tracing rates, and (medians \
              over the rounds) generation and accumulation by tracing, and rates by those of uniform rounds of the same lengths.\n\n";
     text + &markdown(&rounds(breakdowns))
+}
+
+/// A configuration and the uniform sampling that it is compared with.
+struct Pair<'a> {
+    configuration: &'a Measured,
+    baseline: &'a Measured,
+}
+
+impl Pair<'_> {
+    /// Whether a row of these names is about this pair.
+    fn is(&self, configuration: &str, baseline: &str) -> bool {
+        (&*self.configuration.name, &*self.baseline.name) == (configuration, baseline)
+    }
+}
+
+/// Each adaptive configuration and uniform sampling with its own integrator; nothing where there is one integrator alone, which makes that the first table.
+fn against_own_uniform(configurations: &[Measured]) -> Vec<Pair<'_>> {
+    let integrator = |m: &Measured| m.configuration.integrator;
+    if configurations.iter().all(|m| integrator(m) == integrator(&configurations[0])) {
+        return Vec::new();
+    }
+    let adaptive = configurations.iter().filter(|m| !m.configuration.is_uniform());
+    adaptive
+        .filter_map(|m| Some(Pair { configuration: m, baseline: uniform_counterpart(configurations, m)? }))
+        .collect()
 }
 
 /// The titles of the two errors in narrow columns.
@@ -128,67 +170,77 @@ fn short(metric: Metric) -> &'static str {
     }
 }
 
-fn equal_error(measurement: &Measurement, comparisons: &Comparisons, levels: &[u32], names: &[String]) -> Vec<Column> {
-    let mut columns = vec![Column::text("configuration", names.iter().cloned())];
-    let find = |name: &String, metric, level| {
-        comparisons.speedups.iter().find(|s| {
-            &s.configuration == name && s.baseline == "uniform" && s.metric == metric && s.uniform_samples == level
-        })
+/// The column of the configurations' names.
+fn names(pairs: &[Pair<'_>]) -> Column {
+    Column::text("configuration", pairs.iter().map(|pair| pair.configuration.name.clone()))
+}
+
+fn equal_error(comparisons: &Comparisons, levels: &[u32], pairs: &[Pair<'_>]) -> Vec<Column> {
+    let mut columns = vec![names(pairs)];
+    let find = |pair: &Pair<'_>, metric, level| -> Option<&Speedup> {
+        comparisons
+            .speedups
+            .iter()
+            .find(|s| pair.is(&s.configuration, &s.baseline) && s.metric == metric && s.uniform_samples == level)
     };
     for &level in levels {
         for metric in Metric::ALL {
-            let times: Vec<_> = names.iter().map(|name| find(name, metric, level)?.time_ratio).collect();
-            let samples: Vec<_> = names.iter().map(|name| find(name, metric, level)?.samples_ratio).collect();
+            let times: Vec<_> = pairs.iter().map(|pair| find(pair, metric, level)?.time_ratio).collect();
+            let samples: Vec<_> = pairs.iter().map(|pair| find(pair, metric, level)?.samples_ratio).collect();
             columns.push(Column::ratios(&format!("time at {level} spp{}", short(metric)), &times));
             columns.push(Column::ratios(&format!("samples{}", short(metric)), &samples));
         }
     }
     for metric in Metric::ALL {
-        let cell = |name: &String| {
-            let smallest = comparisons.smallest.iter().find(|s| &s.configuration == name && s.metric == metric);
+        let cell = |pair: &Pair<'_>| {
+            let smallest =
+                comparisons.smallest.iter().find(|s| pair.is(&s.configuration, &s.baseline) && s.metric == metric);
             smallest.map_or_else(String::new, |s| {
                 let ratio = s.time_ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.2}"));
                 format!("{ratio} ({} of {})", s.reached, s.checkpoints)
             })
         };
         let title = format!("smallest beyond {SMALLEST_FROM} spp{}", short(metric));
-        columns.push(Column::text(&title, names.iter().map(cell)));
+        columns.push(Column::text(&title, pairs.iter().map(cell)));
     }
-    let mean =
-        |m: &super::Measured| m.curve.last().map_or_else(|| "-".into(), |p| format!("{:.4}", p.errors.mean_ratio));
-    columns.push(Column::text("mean by reference's", measurement.configurations.iter().skip(1).map(mean)));
+    let mean = |pair: &Pair<'_>| {
+        pair.configuration.curve.last().map_or_else(|| "-".into(), |p| format!("{:.4}", p.errors.mean_ratio))
+    };
+    columns.push(Column::text("mean by reference's", pairs.iter().map(mean)));
     columns
 }
 
-fn equal_time(comparisons: &Comparisons, levels: &[u32], names: &[String]) -> Vec<Column> {
-    let mut columns = vec![Column::text("configuration", names.iter().cloned())];
+fn equal_time(comparisons: &Comparisons, levels: &[u32], pairs: &[Pair<'_>]) -> Vec<Column> {
+    let mut columns = vec![names(pairs)];
     for &level in levels {
         for metric in Metric::ALL {
-            let find = |name: &String| {
-                comparisons
-                    .equal_time
-                    .iter()
-                    .find(|e| &e.configuration == name && e.metric == metric && e.uniform_samples == level)
+            let find = |pair: &Pair<'_>| {
+                comparisons.equal_time.iter().find(|e| {
+                    pair.is(&e.configuration, &e.baseline) && e.metric == metric && e.uniform_samples == level
+                })
             };
-            let seconds = names.iter().find_map(find).map_or(0.0, |equal| equal.seconds);
-            let ratios: Vec<_> = names.iter().map(|name| find(name)?.error_ratio).collect();
+            let seconds = pairs.iter().find_map(find).map_or(0.0, |equal| equal.seconds);
+            let ratios: Vec<_> = pairs.iter().map(|pair| find(pair)?.error_ratio).collect();
             columns.push(Column::ratios(&format!("{seconds:.3} s, {level} spp{}", short(metric)), &ratios));
         }
     }
     columns
 }
 
-fn against_atomic(comparisons: &Comparisons, levels: &[u32], names: &[String]) -> Option<Vec<Column>> {
-    let rows: Vec<_> = comparisons.speedups.iter().filter(|s| s.baseline != "uniform").collect();
-    let names: Vec<&String> = names.iter().filter(|name| rows.iter().any(|s| s.configuration == **name)).collect();
+fn against_atomic(measurement: &Measurement, comparisons: &Comparisons, levels: &[u32]) -> Option<Vec<Column>> {
+    let atomic = measurement.configurations.iter().filter(|m| m.configuration.allocator == AllocatorKind::Atomic);
+    let atomic: Vec<&str> = atomic.map(|m| &*m.name).collect();
+    let rows: Vec<_> = comparisons.speedups.iter().filter(|s| atomic.contains(&&*s.baseline)).collect();
+    let names: Vec<&str> = measurement.configurations.iter().map(|m| &*m.name).collect();
+    let names: Vec<&str> = names.into_iter().filter(|name| rows.iter().any(|s| s.configuration == *name)).collect();
     if names.is_empty() {
         return None;
     }
-    let mut columns = vec![Column::text("configuration", names.iter().map(|name| (*name).clone()))];
+    let mut columns = vec![Column::text("configuration", names.iter().map(|&name| name.to_owned()))];
     for &level in levels {
         for metric in Metric::ALL {
-            let find = |name: &&String| {
-                rows.iter().find(|s| &s.configuration == *name && s.metric == metric && s.uniform_samples == level)
+            let find = |name: &&str| {
+                rows.iter().find(|s| s.configuration == *name && s.metric == metric && s.uniform_samples == level)
             };
             let times: Vec<_> = names.iter().map(|name| find(name)?.time_ratio).collect();
             columns.push(Column::ratios(&format!("time at {level} spp{}", short(metric)), &times));

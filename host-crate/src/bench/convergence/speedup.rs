@@ -1,111 +1,11 @@
 //! Curves set against each other: at equal error, and at equal time.
 
-use super::Measured;
 use super::curve::Point;
+use super::gains::{EqualTime, Smallest, Speedup};
 use super::interpolation::{crossing, height};
+use super::metric::Metric;
+use super::{Configuration, Measured};
 use crate::render::AllocatorKind;
-use serde::Serialize;
-
-/// Which error counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Metric {
-    /// Over all pixels.
-    #[serde(rename = "rmse")]
-    Rmse,
-    /// Without the worst 0.1 % of the pixels.
-    #[serde(rename = "trimmed_rmse")]
-    TrimmedRmse,
-}
-
-impl Metric {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Rmse, Self::TrimmedRmse];
-
-    /// The error of a point.
-    pub fn of(self, point: &Point) -> f64 {
-        match self {
-            Self::Rmse => point.errors.rmse,
-            Self::TrimmedRmse => point.errors.trimmed_rmse,
-        }
-    }
-
-    /// Its name in titles.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Rmse => "RMSE",
-            Self::TrimmedRmse => "RMSE without the worst 0.1 % of the pixels",
-        }
-    }
-
-    fn over_time(self, curve: &[Point]) -> Vec<(f64, f64)> {
-        curve.iter().map(|p| (p.wall.as_secs_f64(), self.of(p))).collect()
-    }
-
-    fn over_samples(self, curve: &[Point]) -> Vec<(f64, f64)> {
-        curve.iter().map(|p| (p.samples, self.of(p))).collect()
-    }
-}
-
-/// How much sooner a configuration reaches an error than a baseline does.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Speedup {
-    /// Name of the configuration.
-    pub configuration: String,
-    /// Name of what it is compared with.
-    pub baseline: String,
-    /// Which error.
-    pub metric: Metric,
-    /// Samples per pixel with which uniform sampling has that error.
-    pub uniform_samples: u32,
-    /// The error.
-    pub error: f64,
-    /// When the baseline reaches it.
-    pub baseline_seconds: Option<f64>,
-    /// When the configuration reaches it.
-    pub seconds: Option<f64>,
-    /// The baseline's time by the configuration's.
-    pub time_ratio: Option<f64>,
-    /// The baseline's samples by the configuration's.
-    pub samples_ratio: Option<f64>,
-    /// Why a figure is missing, or what to know of it.
-    pub note: String,
-}
-
-/// The error at the time that uniform sampling needs for a level.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct EqualTime {
-    /// Name of the configuration.
-    pub configuration: String,
-    /// Which error.
-    pub metric: Metric,
-    /// Samples per pixel that uniform sampling has at this time.
-    pub uniform_samples: u32,
-    /// The time.
-    pub seconds: f64,
-    /// Uniform sampling's error.
-    pub uniform_error: f64,
-    /// The configuration's error; nothing if its curve does not span this time.
-    pub error: Option<f64>,
-    /// Uniform sampling's error by the configuration's.
-    pub error_ratio: Option<f64>,
-}
-
-/// The smallest speed-up over uniform sampling at any of its checkpoints with less error than after 16 samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Smallest {
-    /// Name of the configuration.
-    pub configuration: String,
-    /// Which error.
-    pub metric: Metric,
-    /// The smallest ratio of times; nothing if no checkpoint's error is reached.
-    pub time_ratio: Option<f64>,
-    /// Samples per pixel of uniform sampling where it is.
-    pub uniform_samples: Option<u32>,
-    /// Checkpoints whose error the curve spans.
-    pub reached: usize,
-    /// Checkpoints that count.
-    pub checkpoints: usize,
-}
 
 /// Errors below this many times the reference's noise are limited by the reference.
 pub const REFERENCE_MARGIN: f64 = 4.0;
@@ -114,39 +14,60 @@ pub const SMALLEST_FROM: u32 = 16;
 
 /// Everything that follows from the curves of one scene.
 pub struct Comparisons {
-    /// At equal error, against uniform sampling and, where it was measured with the same estimator, against `atomic`.
+    /// At equal error, against uniform sampling and, where it was measured with the same integrator and estimator, against `atomic`.
     pub speedups: Vec<Speedup>,
-    /// At equal time.
+    /// At equal time, against uniform sampling.
     pub equal_time: Vec<EqualTime>,
-    /// The smallest speed-ups.
+    /// The smallest speed-ups over uniform sampling.
     pub smallest: Vec<Smallest>,
 }
 
 impl Comparisons {
-    /// Sets all configurations but the first against it, which is uniform sampling, at `levels`. `noise` is the RMSE of the
-    /// reference.
+    /// Sets all configurations but the first against it, which is uniform sampling, at `levels`; and those of other integrators than the first one's also against
+    /// uniform sampling with their own, at the errors and times that this has at `levels`. `noise` is the RMSE of the reference.
     pub fn of(measured: &[Measured], levels: &[u32], noise: f64) -> Self {
         let mut comparisons = Self { speedups: Vec::new(), equal_time: Vec::new(), smallest: Vec::new() };
-        let Some((uniform, others)) = measured.split_first() else { return comparisons };
+        let Some((first, others)) = measured.split_first() else { return comparisons };
         for metric in Metric::ALL {
             for other in others {
-                for &level in levels {
-                    let Some(at) = uniform.curve.iter().find(|p| p.checkpoint == level) else { continue };
-                    comparisons.speedups.push(speedup(uniform, other, metric, at, noise));
-                    let atomic = others.iter().find(|o| is_atomic_counterpart(o, other));
-                    comparisons.speedups.extend(atomic.map(|atomic| speedup(atomic, other, metric, at, noise)));
-                    comparisons.equal_time.push(equal_time(other, metric, at));
+                comparisons.add(first, other, metric, levels, noise);
+                let Some(own) = uniform_counterpart(measured, other) else { continue };
+                let is_another = own.configuration != first.configuration && own.configuration != other.configuration;
+                if is_another {
+                    comparisons.add(own, other, metric, levels, noise);
                 }
-                comparisons.smallest.push(smallest(uniform, other, metric));
+                let Some(atomic) = others.iter().find(|o| is_atomic_counterpart(o, other)) else { continue };
+                let points = levels.iter().filter_map(|&level| at_level(own, level));
+                comparisons.speedups.extend(points.map(|at| speedup(atomic, other, metric, at, noise)));
             }
         }
         comparisons
     }
+
+    /// Sets `other` against the uniform sampling `uniform`.
+    fn add(&mut self, uniform: &Measured, other: &Measured, metric: Metric, levels: &[u32], noise: f64) {
+        for at in levels.iter().filter_map(|&level| at_level(uniform, level)) {
+            self.speedups.push(speedup(uniform, other, metric, at, noise));
+            self.equal_time.push(equal_time(uniform, other, metric, at));
+        }
+        self.smallest.push(smallest(uniform, other, metric));
+    }
+}
+
+/// The point of a curve after `level` samples per pixel.
+fn at_level(measured: &Measured, level: u32) -> Option<&Point> {
+    measured.curve.iter().find(|p| p.checkpoint == level)
+}
+
+/// Uniform sampling with the integrator of `of`.
+pub fn uniform_counterpart<'a>(measured: &'a [Measured], of: &Measured) -> Option<&'a Measured> {
+    measured.iter().find(|m| m.configuration.is_uniform() && m.configuration.integrator == of.configuration.integrator)
 }
 
 fn is_atomic_counterpart(atomic: &Measured, other: &Measured) -> bool {
     let (a, b) = (atomic.configuration, other.configuration);
-    a.allocator == AllocatorKind::Atomic && a != b && (a.estimator, a.relative) == (b.estimator, b.relative)
+    let atomic = Configuration { allocator: AllocatorKind::Atomic, ..b };
+    a == atomic && a != b && !b.is_uniform()
 }
 
 fn speedup(baseline: &Measured, other: &Measured, metric: Metric, at: &Point, noise: f64) -> Speedup {
@@ -158,8 +79,8 @@ fn speedup(baseline: &Measured, other: &Measured, metric: Metric, at: &Point, no
     let missing = if own.note().is_empty() { base.note() } else { own.note() };
     let limited = error < REFERENCE_MARGIN * noise;
     Speedup {
-        configuration: other.configuration.name(),
-        baseline: baseline.configuration.name(),
+        configuration: other.name.clone(),
+        baseline: baseline.name.clone(),
         metric,
         uniform_samples: at.checkpoint,
         error,
@@ -176,11 +97,12 @@ fn speedup(baseline: &Measured, other: &Measured, metric: Metric, at: &Point, no
     }
 }
 
-fn equal_time(other: &Measured, metric: Metric, at: &Point) -> EqualTime {
+fn equal_time(uniform: &Measured, other: &Measured, metric: Metric, at: &Point) -> EqualTime {
     let seconds = at.wall.as_secs_f64();
     let error = height(&metric.over_time(&other.curve), seconds);
     EqualTime {
-        configuration: other.configuration.name(),
+        configuration: other.name.clone(),
+        baseline: uniform.name.clone(),
         metric,
         uniform_samples: at.checkpoint,
         seconds,
@@ -201,7 +123,8 @@ fn smallest(uniform: &Measured, other: &Measured, metric: Metric) -> Smallest {
         .collect();
     let smallest = ratios.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
     Smallest {
-        configuration: other.configuration.name(),
+        configuration: other.name.clone(),
+        baseline: uniform.name.clone(),
         metric,
         time_ratio: smallest.map(|s| s.0),
         uniform_samples: smallest.map(|s| s.1),
@@ -218,19 +141,36 @@ pub fn samples_at(curve: &[Point], seconds: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Configuration;
     use super::super::curve::tests::point;
     use super::*;
-    use crate::render::Estimator;
+    use crate::render::{Estimator, IntegratorKind};
 
     /// Error 1 after a sample, falling with the root of the samples, times `gain`; every sample takes `seconds`.
     fn measured(allocator: AllocatorKind, samples: &[u32], seconds: f64, gain: f64) -> Measured {
+        measured_by(IntegratorKind::Megakernel, allocator, samples, seconds, gain)
+    }
+
+    /// The same with an integrator, which is in the name if it is `lvc`.
+    fn measured_by(
+        integrator: IntegratorKind,
+        allocator: AllocatorKind,
+        samples: &[u32],
+        seconds: f64,
+        gain: f64,
+    ) -> Measured {
+        let uniform = Configuration::uniform(integrator);
         let configuration = match allocator {
-            AllocatorKind::Uniform => Configuration::UNIFORM,
-            _ => Configuration { allocator, estimator: Estimator::Bilateral, relative: false },
+            AllocatorKind::Uniform => uniform,
+            _ => Configuration { allocator, estimator: Estimator::Bilateral, ..uniform },
+        };
+        let among = if integrator == IntegratorKind::Lvc {
+            vec![configuration, Configuration::uniform(IntegratorKind::Megakernel)]
+        } else {
+            vec![configuration]
         };
         let point = |&n: &u32| point(f64::from(n), f64::from(n) * seconds, 1.0 / (gain * f64::from(n)).sqrt());
-        Measured { configuration, curve: samples.iter().map(point).collect(), rounds: Vec::new() }
+        let curve = samples.iter().map(point).collect();
+        Measured { configuration, name: configuration.name_among(&among), curve, rounds: Vec::new() }
     }
 
     const SAMPLES: [u32; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
@@ -274,6 +214,46 @@ mod tests {
         close(smallest.time_ratio, 2.0);
         assert_eq!((smallest.reached, smallest.checkpoints), (5, 5));
         close(samples_at(&all[2].curve, 96.0), 64.0);
+    }
+
+    #[test]
+    fn every_integrator_has_its_own_baseline_too() {
+        use AllocatorKind::{Atomic, Runs, Uniform};
+        let lvc = |allocator, seconds, gain| measured_by(IntegratorKind::Lvc, allocator, &SAMPLES, seconds, gain);
+        let all = [
+            measured(Uniform, &SAMPLES, 1.0, 1.0),
+            measured(Atomic, &SAMPLES, 1.0, 5.0),
+            lvc(Uniform, 2.0, 6.0),
+            lvc(Runs, 2.0, 12.0),
+            lvc(Atomic, 2.0, 3.0),
+        ];
+        let comparisons = Comparisons::of(&all, &[128], 0.0);
+        let found: Vec<_> = comparisons
+            .speedups
+            .iter()
+            .filter(|s| s.metric == Metric::Rmse)
+            .map(|s| (&*s.configuration, &*s.baseline, s.time_ratio.map(|ratio| (ratio * 100.0).round() / 100.0)))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                ("atomic-bilateral", "uniform", Some(5.0)),
+                ("lvc-uniform", "uniform", Some(3.0)),
+                ("lvc-runs-bilateral", "uniform", Some(6.0)),
+                ("lvc-runs-bilateral", "lvc-uniform", Some(2.0)),
+                ("lvc-runs-bilateral", "lvc-atomic-bilateral", Some(4.0)),
+                ("lvc-atomic-bilateral", "uniform", Some(1.5)),
+                ("lvc-atomic-bilateral", "lvc-uniform", Some(0.5)),
+            ]
+        );
+        // What the second integrator is compared with at a level is its own error and time there.
+        let own = |s: &&Speedup| s.baseline == "lvc-uniform" && s.configuration == "lvc-runs-bilateral";
+        let own = comparisons.speedups.iter().find(own).unwrap();
+        close(own.baseline_seconds, 256.0);
+        close(Some(own.error), (6.0 * 128.0_f64).powf(-0.5));
+        let pairs = |rows: Vec<(&str, &str)>| rows.into_iter().filter(|row| row.1 == "lvc-uniform").count();
+        assert_eq!(pairs(comparisons.equal_time.iter().map(|e| (&*e.configuration, &*e.baseline)).collect()), 4);
+        assert_eq!(pairs(comparisons.smallest.iter().map(|s| (&*s.configuration, &*s.baseline)).collect()), 4);
     }
 
     #[test]

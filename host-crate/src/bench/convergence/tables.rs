@@ -1,7 +1,7 @@
 //! Rows of CSV files.
 
 use super::curve::Point;
-use super::rounds::{Round, UniformRates, millions_per_second};
+use super::rounds::{Round, millions_per_second};
 use super::speedup::REFERENCE_MARGIN;
 use super::{Measured, Measurement};
 use serde::Serialize;
@@ -30,7 +30,7 @@ pub struct CurveRow {
 /// All points of all curves; `noise` is the RMSE of the reference.
 pub fn curve_rows(measurement: &Measurement, noise: f64) -> impl Iterator<Item = CurveRow> {
     let row = move |measured: &Measured, p: &Point| CurveRow {
-        configuration: measured.configuration.name(),
+        configuration: measured.name.clone(),
         checkpoint: p.checkpoint,
         samples_per_pixel: p.samples,
         seconds: p.wall.as_secs_f64(),
@@ -67,12 +67,12 @@ pub struct RoundRow {
     uniform_mrays_per_second: Option<f64>,
 }
 
-/// All rounds, numbered from 1 in each configuration, with the rates of uniform rounds of the same length.
+/// All rounds, numbered from 1 in each configuration, with the rates of uniform rounds of the same length by the same integrator.
 pub fn round_rows(measurement: &Measurement) -> impl Iterator<Item = RoundRow> {
-    let row = |measured: &Measured, uniform: &UniformRates, index: usize, round: &Round| {
-        let uniform = uniform.of_length(round.paths);
+    let row = |measured: &Measured, index: usize, round: &Round| {
+        let uniform = measurement.uniform_rates(measured).and_then(|uniform| uniform.of_length(round.paths));
         RoundRow {
-            configuration: measured.configuration.name(),
+            configuration: measured.name.clone(),
             round: index + 1,
             paths: round.paths,
             features_ms: milliseconds(round.timings.features),
@@ -87,9 +87,10 @@ pub fn round_rows(measurement: &Measurement) -> impl Iterator<Item = RoundRow> {
             uniform_mrays_per_second: uniform.map(|rate| rate.rays / 1e6),
         }
     };
-    measurement.configurations.iter().flat_map(move |m| {
-        m.rounds.iter().enumerate().map(move |(index, round)| row(m, &measurement.uniform_rates, index, round))
-    })
+    measurement
+        .configurations
+        .iter()
+        .flat_map(move |m| m.rounds.iter().enumerate().map(move |(index, round)| row(m, index, round)))
 }
 
 fn milliseconds(time: Duration) -> f64 {
