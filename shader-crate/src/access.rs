@@ -1,16 +1,15 @@
-//! Buffers that lanes write at places of their choice.
+//! Access to memory: of buffers, of a workgroup, of a lane.
 //!
-//! A kernel's `write` bindings hand each lane the element of its own number. Where a lane must choose (compaction, streams), it is given a
+//! A kernel's `write` bindings hand each lane the element of its own number. Where a lane must choose what it writes (compaction, streams), it is given a
 //! [`Scatter`], whose user answers for what the type cannot show: that no two lanes of a launch touch the same element, unless all
 //! only read it. [`Atomics`] may be hit by many lanes at once.
 //!
 //! On the GPU both are plain slices. On the CPU they are atomics with relaxed order, so that lanes may run on any
 //! thread and a mistake would be a wrong number, not undefined behaviour.
-
 //!
 //! # Bounds
 //!
-//! On the CPU every index is checked. On the GPU none is, since checks cost the traversal a sixth of its speed: all indexing of buffers goes through
+//! On the CPU every index is checked. On the GPU none is, since checks cost a tenth of its speed: all indexing of buffers goes through
 //! this file, and the host answers for what kernels find there ("Bounds" in ARCHITECTURE.md). `cargo shaders --bounds-checks`
 //! compiles kernels that check, and end the thread that is wrong.
 
