@@ -11,7 +11,6 @@ use crate::path::PathParams;
 use crate::sampler::{PIXEL, SampleStream};
 use crate::scene::SceneView;
 use crate::surface::{Attributes, Surface};
-use crate::texture::TextureView;
 use crate::tiles::pixel_of_rank;
 
 /// Camera rays that the features of a pixel average at most.
@@ -63,13 +62,8 @@ pub fn first_hits(
     texels: &[u32],
     features: &mut FeaturePixel,
 ) {
-    let scene = SceneView {
-        bvh: BvhView::new(nodes, triangles),
-        attributes,
-        materials,
-        offset_roundings: params.path.offset_roundings,
-        textures: TextureView::new(texels),
-    };
+    let scene =
+        SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.path.offset_roundings);
     let camera = &params.path.camera;
     let (x, y) = pixel_of_rank(params.first_rank + lane, camera.width, camera.height);
     let mut sums = *features;

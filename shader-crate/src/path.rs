@@ -20,7 +20,6 @@ use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, PIXEL, SampleStream, of_vertex,
 use crate::scene::SceneView;
 use crate::stream::{NO_PIXEL, Slot};
 use crate::surface::{Attributes, Surface};
-use crate::texture::TextureView;
 use crate::tiles::pixel_of_rank;
 
 /// [`PathParams::techniques`]: weigh next-event estimation and BSDF sampling by the power heuristic.
@@ -73,13 +72,7 @@ pub fn trace_paths(
     texels: &[u32],
     contribution: &mut Contribution,
 ) {
-    let scene = SceneView {
-        bvh: BvhView::new(nodes, triangles),
-        attributes,
-        materials,
-        offset_roundings: params.offset_roundings,
-        textures: TextureView::new(texels),
-    };
+    let scene = SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.offset_roundings);
     *contribution = trace_slot(params, &scene, &LightView::new(lights, params.lights), at(slots, lane));
 }
 

@@ -14,7 +14,6 @@ use crate::path::{Path, PathParams, numbers_of};
 use crate::scene::SceneView;
 use crate::stream::{NO_PIXEL, Slot};
 use crate::surface::Attributes;
-use crate::texture::TextureView;
 
 /// A thread takes no more slots once it has traced this many segments; then another one starts. Enough for a GPU's resident threads to share a long stream,
 /// and few enough for drivers that end a thread's loops after some number of turns (Mesa's llvmpipe: 65535).
@@ -36,13 +35,7 @@ pub fn regenerate_paths(
     contributions: &mut Scatter<'_, Contribution>,
     taken: &mut Atomics<'_>,
 ) {
-    let scene = SceneView {
-        bvh: BvhView::new(nodes, triangles),
-        attributes,
-        materials,
-        offset_roundings: params.offset_roundings,
-        textures: TextureView::new(texels),
-    };
+    let scene = SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.offset_roundings);
     let lights = LightView::new(lights, params.lights);
     // Overwritten before it is used: the lane has no path yet.
     let (mut number, nobody) = (0, Slot { rank: 0, sample: 0 });

@@ -19,3 +19,17 @@ pub struct SceneView<'a> {
     /// The textures.
     pub textures: TextureView<'a>,
 }
+
+impl<'a> SceneView<'a> {
+    /// Wraps the buffers. `offset_roundings` is as in [`Self::offset_roundings`].
+    #[inline(always)]
+    pub fn new(
+        bvh: BvhView<'a>,
+        attributes: &'a [Attributes],
+        materials: &'a [Material],
+        texels: &'a [u32],
+        offset_roundings: f32,
+    ) -> Self {
+        Self { bvh, attributes, materials, offset_roundings, textures: TextureView::new(texels) }
+    }
+}

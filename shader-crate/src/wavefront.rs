@@ -33,7 +33,6 @@ use crate::prefix::BLOCK;
 use crate::scene::SceneView;
 use crate::stream::{NO_PIXEL, Slot};
 use crate::surface::Attributes;
-use crate::texture::TextureView;
 
 device_struct! {
     /// The parameters of one iteration. 144 bytes.
@@ -170,13 +169,8 @@ pub fn shade_queue(
     }
     let numbers = numbers_of(&params.path, slot);
     let mut path = if survives { pool.path(rows, at(kept, lane)) } else { Path::begin(&params.path, slot, &numbers) };
-    let scene = SceneView {
-        bvh: BvhView::of_triangles(triangles),
-        attributes,
-        materials,
-        offset_roundings: params.path.offset_roundings,
-        textures: TextureView::new(texels),
-    };
+    let scene =
+        SceneView::new(BvhView::of_triangles(triangles), attributes, materials, texels, params.path.offset_roundings);
     let lights = LightView::new(lights, params.path.lights);
     let bounce = path.shade(&params.path, &scene, &lights, &numbers, &pool.hit(rows, lane));
     pool.set_light(rows, lane, number, &bounce.light, bounce.goes_on);
@@ -242,13 +236,8 @@ pub fn finish_queue(
     rows: &mut Scatter<'_, UVec4>,
     contributions: &mut Scatter<'_, Contribution>,
 ) {
-    let scene = SceneView {
-        bvh: BvhView::new(nodes, triangles),
-        attributes,
-        materials,
-        offset_roundings: params.path.offset_roundings,
-        textures: TextureView::new(texels),
-    };
+    let scene =
+        SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.path.offset_roundings);
     let lights = LightView::new(lights, params.path.lights);
     let pool = params.pool();
     let mut next_slot = at(queues, params.iteration - 1).next_slot + lane;

@@ -1,7 +1,7 @@
 //! A scene in a device's memory.
 
 use super::PreparedScene;
-use crate::exec::{Array, ExecError, Executor};
+use crate::exec::{Array, ExecError, Executor, View};
 use glam::UVec4;
 use raystream_shaders::light::Light;
 use raystream_shaders::material::Material;
@@ -34,5 +34,22 @@ impl<B> SceneBuffers<B> {
             lights: Array::from_slice(executor, "lights", &scene.lights)?,
             texels: Array::from_slice(executor, "textures", &scene.texels)?,
         })
+    }
+
+    /// What a kernel is given that binds `before`, then the whole scene in the order of the fields, then `after`.
+    pub fn between<'a, const BEFORE: usize, const AFTER: usize>(
+        &'a self,
+        before: [View<'a, B>; BEFORE],
+        after: [View<'a, B>; AFTER],
+    ) -> Vec<View<'a, B>> {
+        let scene = [
+            self.nodes.view(),
+            self.triangles.view(),
+            self.attributes.view(),
+            self.materials.view(),
+            self.lights.view(),
+            self.texels.view(),
+        ];
+        before.into_iter().chain(scene).chain(after).collect()
     }
 }

@@ -14,14 +14,12 @@ use crate::glam::{UVec4, Vec3};
 use crate::light::{Light, LightView, area_pdf};
 use crate::material::{DIFFUSE, Material, diffuse_pdf};
 use crate::math::is_finite_vector;
-use crate::path::sample_bsdf;
+use crate::path::{camera_ray, contribution, numbers_of, sample_bsdf};
 use crate::ray::{Ray, SurfacePoint};
-use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, PIXEL, SampleStream, of_vertex, unit_float};
+use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream, of_vertex, unit_float};
 use crate::scene::SceneView;
 use crate::stream::{NO_PIXEL, Slot};
 use crate::surface::{Attributes, Surface};
-use crate::texture::TextureView;
-use crate::tiles::pixel_of_rank;
 
 /// First dimension of the draws from the cache, beyond those of the longest path.
 const DRAWS: u32 = 1 << 31;
@@ -44,13 +42,13 @@ pub fn trace_eye_paths(
     let tracer = EyeTracer {
         params,
         samples: params.samples(),
-        scene: SceneView {
-            bvh: BvhView::new(nodes, triangles),
+        scene: SceneView::new(
+            BvhView::new(nodes, triangles),
             attributes,
             materials,
-            offset_roundings: params.path.offset_roundings,
-            textures: TextureView::new(texels),
-        },
+            texels,
+            params.path.offset_roundings,
+        ),
         lights: LightView::new(lights, params.path.lights),
         cache: LightCache::new(cache),
     };
@@ -83,12 +81,9 @@ struct EyePath {
 impl EyeTracer<'_> {
     /// The contribution of one slot.
     fn trace(&self, slot: Slot) -> Contribution {
-        let render = &self.params.path;
-        let camera = &render.camera;
-        let (x, y) = pixel_of_rank(slot.rank, camera.width, camera.height);
-        let numbers = SampleStream::new(render.sampler, render.seed, y * camera.width + x, slot.sample);
+        let numbers = numbers_of(&self.params.path, slot);
         let mut path = EyePath {
-            ray: camera.ray(x, y, numbers.pair(PIXEL)),
+            ray: camera_ray(&self.params.path, slot, &numbers),
             throughput: Vec3::ONE,
             subpath: Subpath::FROM_CAMERA,
             radiance: Vec3::ZERO,
@@ -98,7 +93,7 @@ impl EyeTracer<'_> {
         while self.extend(&mut path, &numbers, depth) {
             depth += 1;
         }
-        Contribution { radiance: path.radiance, rays: path.rays, squared: path.radiance * path.radiance, pad: 0 }
+        contribution(path.radiance, path.rays)
     }
 
     /// Traces segment number `depth` (from 1) and picks the next; false where the path ends.

@@ -18,7 +18,6 @@ use crate::ray::Ray;
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream, hash, of_vertex, unit_float};
 use crate::scene::SceneView;
 use crate::surface::{Attributes, Surface};
-use crate::texture::TextureView;
 use core::f32::consts::{FRAC_1_PI, PI};
 
 /// Kernel: traces light path `lane`, writes its vertices to its part of `scratch` and their number to `count`.
@@ -35,13 +34,8 @@ pub fn trace_light_paths(
     count: &mut u32,
     scratch: &mut Scatter<'_, UVec4>,
 ) {
-    let scene = SceneView {
-        bvh: BvhView::new(nodes, triangles),
-        attributes,
-        materials,
-        offset_roundings: params.path.offset_roundings,
-        textures: TextureView::new(texels),
-    };
+    let scene =
+        SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.path.offset_roundings);
     let lights = LightView::new(lights, params.path.lights);
     let samples = params.samples();
     let numbers = random_numbers(params, lane);

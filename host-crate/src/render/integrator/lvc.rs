@@ -178,20 +178,7 @@ fn trace_light_paths<'a, B>(
     counts: &'a Array<B, u32>,
     scratch: &'a Array<B, UVec4>,
 ) -> Launch<'a, B> {
-    Launch::new(
-        &kernels::trace_light_paths,
-        parameters,
-        vec![
-            scene.nodes.view(),
-            scene.triangles.view(),
-            scene.attributes.view(),
-            scene.materials.view(),
-            scene.lights.view(),
-            scene.texels.view(),
-            counts.view(),
-            scratch.view(),
-        ],
-    )
+    Launch::new(&kernels::trace_light_paths, parameters, scene.between([], [counts.view(), scratch.view()]))
 }
 
 /// Launches that put the vertices of `paths` light paths, of which each has room for `vertices_per_path` in `scratch` and has as many as `counts` says,
@@ -241,17 +228,7 @@ impl<E: Executor> Integrator<E> for Lvc<E::Buffer> {
         vec![Launch::new(
             &kernels::trace_eye_paths,
             &LvcParams { threads: part.end - part.start, ..self.parameters },
-            vec![
-                stream.slots.slice(slots.clone()),
-                scene.nodes.view(),
-                scene.triangles.view(),
-                scene.attributes.view(),
-                scene.materials.view(),
-                scene.lights.view(),
-                scene.texels.view(),
-                self.cache.view(),
-                stream.contributions.slice(slots),
-            ],
+            scene.between([stream.slots.slice(slots.clone())], [self.cache.view(), stream.contributions.slice(slots)]),
         )]
     }
 

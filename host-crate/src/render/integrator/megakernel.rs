@@ -15,16 +15,7 @@ impl<E: Executor> Integrator<E> for Megakernel {
         vec![Launch::new(
             &kernels::trace_paths,
             &PathParams { threads: part.end - part.start, ..*stream.parameters },
-            vec![
-                stream.slots.slice(slots.clone()),
-                scene.nodes.view(),
-                scene.triangles.view(),
-                scene.attributes.view(),
-                scene.materials.view(),
-                scene.lights.view(),
-                scene.texels.view(),
-                stream.contributions.slice(slots),
-            ],
+            scene.between([stream.slots.slice(slots.clone())], [stream.contributions.slice(slots)]),
         )]
     }
 }

@@ -40,17 +40,10 @@ impl<E: Executor> Integrator<E> for Regeneration<E::Buffer> {
             Launch::new(
                 &kernels::regenerate_paths,
                 &PathParams { threads, ..*stream.parameters },
-                vec![
-                    stream.slots.slice(slots.clone()),
-                    scene.nodes.view(),
-                    scene.triangles.view(),
-                    scene.attributes.view(),
-                    scene.materials.view(),
-                    scene.lights.view(),
-                    scene.texels.view(),
-                    stream.contributions.slice(slots),
-                    self.taken.view(),
-                ],
+                scene.between(
+                    [stream.slots.slice(slots.clone())],
+                    [stream.contributions.slice(slots), self.taken.view()],
+                ),
             ),
         ]
     }

@@ -204,20 +204,16 @@ impl<'a, B> Launcher<'a, '_, B> {
         Launch::new(
             &kernels::finish_queue,
             &self.parameters(end),
-            vec![
-                self.stream.slots.slice(self.part.clone()),
-                scene.nodes.view(),
-                scene.triangles.view(),
-                scene.attributes.view(),
-                scene.materials.view(),
-                scene.lights.view(),
-                scene.texels.view(),
-                pool.kept.view(),
-                pool.offsets.view(),
-                pool.queues.view(),
-                pool.rows.view(),
-                self.stream.contributions.slice(self.part.clone()),
-            ],
+            scene.between(
+                [self.stream.slots.slice(self.part.clone())],
+                [
+                    pool.kept.view(),
+                    pool.offsets.view(),
+                    pool.queues.view(),
+                    pool.rows.view(),
+                    self.stream.contributions.slice(self.part.clone()),
+                ],
+            ),
         )
     }
 }
