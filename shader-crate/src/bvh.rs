@@ -14,7 +14,7 @@
 //! child still to visit, k its place in the order in which this ray's octant visits children, nearest highest. A **triangle group** is (first
 //! triangle, a bit for each triangle still to test).
 
-use crate::access::{at, local_mut, scratch};
+use crate::access::{at, local, local_mut, scratch};
 use crate::glam::{UVec2, UVec4, Vec3, Vec4};
 use crate::ray::{Hit, Ray};
 use crate::triangle::TriangleView;
@@ -73,7 +73,7 @@ impl<'a> BvhView<'a> {
 
     #[inline(always)]
     fn traverse<const ANY_HIT: bool>(&self, ray: &Ray) -> Hit {
-        let local = BoxRay::new(ray);
+        let box_ray = BoxRay::new(ray);
         let mut hit = Hit::miss(ray.t_max);
         let mut stack = scratch::<UVec2, { MAX_DEPTH as usize }>();
         let mut stacked = 0;
@@ -92,10 +92,10 @@ impl<'a> BvhView<'a> {
                     *local_mut(&mut stack, stacked) = group;
                     stacked += 1;
                 }
-                let slot = (place ^ local.octant) & 7;
+                let slot = (place ^ box_ray.octant) & 7;
                 let preceding = (inner_mask & !(u32::MAX << slot) & 0xff).count_ones();
                 let node = self.node(group.x + preceding);
-                let hits = local.intersect(&node, hit.t);
+                let hits = box_ray.intersect(&node, hit.t);
                 group = UVec2::new(node.first_child(), hits & PENDING | node.inner_mask());
                 triangles = hits & !PENDING;
                 first_triangle = node.first_triangle();
@@ -104,7 +104,7 @@ impl<'a> BvhView<'a> {
                         is_last = true;
                     } else {
                         stacked -= 1;
-                        group = *local_mut(&mut stack, stacked);
+                        group = local(&stack, stacked);
                     }
                 }
                 visits += 1;

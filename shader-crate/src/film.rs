@@ -7,6 +7,7 @@
 use crate::access::at;
 use crate::device_struct;
 use crate::glam::{UVec4, Vec3};
+use crate::rows::vector;
 use crate::stream::{RunWindow, Runs};
 
 device_struct! {
@@ -48,8 +49,7 @@ impl<'a> ContributionView<'a> {
     pub fn get(&self, slot: u32) -> Contribution {
         let radiance = at(self.rows, slot * ROWS_PER_CONTRIBUTION);
         let squared = at(self.rows, slot * ROWS_PER_CONTRIBUTION + 1);
-        let floats = |row: UVec4| Vec3::new(f32::from_bits(row.x), f32::from_bits(row.y), f32::from_bits(row.z));
-        Contribution { radiance: floats(radiance), rays: radiance.w, squared: floats(squared), pad: 0 }
+        Contribution { radiance: vector(radiance), rays: radiance.w, squared: vector(squared), pad: 0 }
     }
 }
 

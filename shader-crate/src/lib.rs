@@ -35,6 +35,7 @@ pub mod prefix;
 pub mod probe;
 pub mod ray;
 pub mod regeneration;
+pub mod rows;
 pub mod runs;
 pub mod sampler;
 pub mod scene;

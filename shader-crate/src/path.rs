@@ -230,7 +230,7 @@ impl Path {
         self.throughput *= sample.weight;
         self.pdf = sample.pdf;
         if self.depth >= params.roulette_depth {
-            let survival = self.throughput.max_element().min(0.95);
+            let survival = survival(self.throughput);
             if unit_float(roulette) >= survival {
                 return Bounce { light, goes_on: false };
             }
@@ -299,6 +299,12 @@ impl Path {
     pub fn contribution(&self) -> Contribution {
         contribution(self.radiance, self.rays)
     }
+}
+
+/// The chance to survive roulette of a path with this throughput.
+#[inline(always)]
+pub fn survival(throughput: Vec3) -> f32 {
+    throughput.max_element().min(0.95)
 }
 
 /// The direction in which a path goes on, from uniform numbers for the direction and for the lobe.

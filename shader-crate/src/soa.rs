@@ -76,8 +76,7 @@ macro_rules! soa {
                 let mut place = place;
                 $(
                     let row = rows.get(place.next_row());
-                    let $vector =
-                        $crate::glam::Vec3::new(f32::from_bits(row.x), f32::from_bits(row.y), f32::from_bits(row.z));
+                    let $vector = $crate::rows::vector(row);
                     let $word = <$Word as $crate::soa::Word>::from_word(row.w);
                 )*
                 Self { $($vector, $word),* }
@@ -88,9 +87,7 @@ macro_rules! soa {
                 let mut place = place;
                 $(
                     let word = $crate::soa::Word::to_word(self.$word);
-                    let vector = self.$vector;
-                    let [x, y, z] = [vector.x.to_bits(), vector.y.to_bits(), vector.z.to_bits()];
-                    rows.set(place.next_row(), $crate::glam::UVec4::new(x, y, z, word));
+                    rows.set(place.next_row(), $crate::rows::row(self.$vector, word));
                 )*
             }
         }

@@ -4,13 +4,13 @@
 //! corner 0 xyz, material | edge to corner 1 xyz, attributes | edge to corner 2 xyz, unused
 //! ```
 //!
-//! The words are bits of f32 where they are lengths. They travel as integers because a small integer, read as
-//! a float, is a denormal, which a GPU may flush to zero.
+//! What the words of a row are, [`crate::rows`] says.
 
 use crate::access::at;
 use crate::glam::{UVec4, Vec3};
 use crate::math::{UNIT_ROUNDOFF, triangle_normal};
 use crate::ray::{Hit, OFFSET_ROUNDINGS, SurfacePoint};
+use crate::rows::{row, vector};
 
 /// `uvec4`s of one triangle.
 pub const ROWS_PER_TRIANGLE: u32 = 3;
@@ -56,9 +56,9 @@ impl Triangle {
     /// Unpacks the three rows.
     pub fn from_rows(rows: [UVec4; 3]) -> Self {
         Self {
-            corner: length(rows[0]),
-            edge1: length(rows[1]),
-            edge2: length(rows[2]),
+            corner: vector(rows[0]),
+            edge1: vector(rows[1]),
+            edge2: vector(rows[2]),
             material: rows[0].w,
             attributes: rows[1].w,
         }
@@ -66,7 +66,6 @@ impl Triangle {
 
     /// The three rows of the buffer.
     pub fn to_rows(&self) -> [UVec4; 3] {
-        let row = |v: Vec3, w| UVec4::new(v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w);
         [row(self.corner, self.material), row(self.edge1, self.attributes), row(self.edge2, 0)]
     }
 
@@ -116,8 +115,4 @@ impl Triangle {
     fn magnitude(&self) -> f32 {
         (self.corner.abs() + self.edge1.abs() + self.edge2.abs()).max_element()
     }
-}
-
-fn length(row: UVec4) -> Vec3 {
-    Vec3::new(f32::from_bits(row.x), f32::from_bits(row.y), f32::from_bits(row.z))
 }

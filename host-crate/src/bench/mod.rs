@@ -13,6 +13,7 @@ pub use files::Folder;
 
 use crate::exec::ExecError;
 use crate::image::ImageError;
+use clap::ValueEnum;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -23,6 +24,20 @@ pub struct About {
     pub label: String,
     /// Device, size, settings ...: pairs of name and value.
     pub facts: Vec<(String, String)>,
+}
+
+impl About {
+    /// The heading of the scene's part of a report and, in a list, the facts.
+    fn heading(&self) -> String {
+        let facts: String = self.facts.iter().map(|(name, value)| format!("- {name}: {value}\n")).collect();
+        format!("## {}\n\n{facts}", self.label)
+    }
+
+    /// The scene's folder, in links.
+    fn folder(&self) -> String {
+        // Blanks would end a path in Markdown.
+        self.label.replace(' ', "%20")
+    }
 }
 
 /// The tables of a scene in Markdown.
@@ -64,6 +79,11 @@ pub enum BenchError {
         /// What went wrong.
         reason: String,
     },
+}
+
+/// What the command line calls a value.
+pub fn value_name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// A device that has been idle runs slowly at first: a GPU at a sixth of its clock, for most of a second.

@@ -11,18 +11,24 @@ const FONT: &str = "sans-serif";
 /// A curve: its name and its points (x, y).
 pub type Curve = (String, Vec<(f64, f64)>);
 
-/// Curves in log-log scale; points with a coordinate that is not above 0 are left out.
-pub fn curves(title: &str, x_title: &str, y_title: &str, curves: &[Curve]) -> Result<Vec<u8>, BenchError> {
-    draw_curves(title, x_title, y_title, curves)
-        .map_err(|error| BenchError::Report { what: format!("the plot '{title}'"), reason: error.to_string() })
+type Root<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+/// What `draw` draws on white.
+fn svg(title: &str, size: (u32, u32), draw: impl FnOnce(&Root<'_>) -> Drawn) -> Result<Vec<u8>, BenchError> {
+    let mut svg = String::new();
+    let drawn = || -> Drawn {
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        root.fill(&WHITE)?;
+        draw(&root)?;
+        Ok(root.present()?)
+    };
+    drawn().map_err(|error| BenchError::Report { what: format!("the plot '{title}'"), reason: error.to_string() })?;
+    Ok(svg.into_bytes())
 }
 
-fn draw_curves(
-    title: &str,
-    x_title: &str,
-    y_title: &str,
-    curves: &[Curve],
-) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+/// Curves in log-log scale; points with a coordinate that is not above 0 are left out.
+pub fn curves(title: &str, x_title: &str, y_title: &str, curves: &[Curve]) -> Result<Vec<u8>, BenchError> {
     let positive = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
         points.iter().copied().filter(|&(x, y)| x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite()).collect()
     };
@@ -30,53 +36,30 @@ fn draw_curves(
     let all = || curves.iter().flat_map(|(_, points)| points);
     let x_range = padded(all().map(|p| p.0));
     let y_range = padded(all().map(|p| p.1));
-
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
-        let mut chart = chart_builder(&root, title).build_cartesian_2d(
+    svg(title, SIZE, |root| {
+        let mut chart = chart_builder(root, title).build_cartesian_2d(
             x_range.clone().log_scale().with_key_points(ticks(&x_range)),
             y_range.clone().log_scale().with_key_points(ticks(&y_range)),
         )?;
-        draw_series(&mut chart, x_title, y_title, MAX_TICKS, &curves, true)?;
-        root.present()?;
-    }
-    Ok(svg.into_bytes())
+        draw_series(&mut chart, x_title, y_title, MAX_TICKS, &curves, true)
+    })
 }
 
 /// Lines in linear scale, from 0 on.
 pub fn lines(title: &str, x_title: &str, y_title: &str, lines: &[Curve]) -> Result<Vec<u8>, BenchError> {
-    draw_lines(title, x_title, y_title, lines)
-        .map_err(|error| BenchError::Report { what: format!("the plot '{title}'"), reason: error.to_string() })
-}
-
-fn draw_lines(
-    title: &str,
-    x_title: &str,
-    y_title: &str,
-    lines: &[Curve],
-) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let largest = |coordinate: fn(&(f64, f64)) -> f64| {
         lines.iter().flat_map(|(_, points)| points).map(coordinate).filter(|c| c.is_finite()).fold(0.0, f64::max)
     };
     let end = |largest: f64| if largest > 0.0 { 1.05 * largest } else { 1.0 };
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
+    svg(title, SIZE, |root| {
         let mut chart =
-            chart_builder(&root, title).build_cartesian_2d(0.0..end(largest(|p| p.0)), 0.0..end(largest(|p| p.1)))?;
-        draw_series(&mut chart, x_title, y_title, LINEAR_TICKS, lines, false)?;
-        root.present()?;
-    }
-    Ok(svg.into_bytes())
+            chart_builder(root, title).build_cartesian_2d(0.0..end(largest(|p| p.0)), 0.0..end(largest(|p| p.1)))?;
+        draw_series(&mut chart, x_title, y_title, LINEAR_TICKS, lines, false)
+    })
 }
 
 /// Ticks of an axis in linear scale.
 const LINEAR_TICKS: usize = 10;
-
-type Root<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 fn chart_builder<'a, 'b>(root: &'a Root<'b>, title: &str) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
     let mut builder = ChartBuilder::on(root);
@@ -92,7 +75,7 @@ fn draw_series<'a, X, Y>(
     ticks: usize,
     curves: &[Curve],
     marks: bool,
-) -> Result<(), Box<dyn std::error::Error>>
+) -> Drawn
 where
     X: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
     Y: Ranged<ValueType = f64> + ValueFormatter<f64> + 'a,
@@ -123,6 +106,15 @@ where
             chart.draw_series(points.iter().map(|&point| Circle::new(point, 3, style)))?;
         }
     }
+    draw_legend(chart)
+}
+
+/// Draws the names of what has been drawn.
+fn draw_legend<'a, X, Y>(chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<X, Y>>) -> Drawn
+where
+    X: Ranged<ValueType = f64> + 'a,
+    Y: Ranged<ValueType = f64> + 'a,
+{
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperRight)
@@ -171,11 +163,6 @@ pub type Bar = (String, Vec<(&'static str, f64)>);
 
 /// Horizontal bars of stacked parts. All bars have the same parts.
 pub fn bars(title: &str, x_title: &str, bars: &[Bar]) -> Result<Vec<u8>, BenchError> {
-    draw_bars(title, x_title, bars)
-        .map_err(|error| BenchError::Report { what: format!("the plot '{title}'"), reason: error.to_string() })
-}
-
-fn draw_bars(title: &str, x_title: &str, bars: &[Bar]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let longest = bars.iter().map(|(_, parts)| parts.iter().map(|p| p.1).sum::<f64>()).fold(0.0, f64::max);
     let count = bars.len().max(1);
     let name = |row: f64| {
@@ -183,12 +170,8 @@ fn draw_bars(title: &str, x_title: &str, bars: &[Bar]) -> Result<Vec<u8>, Box<dy
         let index = (count as f64 - row).floor();
         bars.get(index as usize).filter(|_| index >= 0.0).map(|(name, _)| name.clone()).unwrap_or_default()
     };
-    let mut svg = String::new();
-    {
-        let size = (SIZE.0, 150 + 36 * count as u32);
-        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        root.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(&root)
+    svg(title, (SIZE.0, 150 + 36 * count as u32), |root| {
+        let mut chart = ChartBuilder::on(root)
             .caption(title, (FONT, 22))
             .margin(14)
             .x_label_area_size(48)
@@ -219,22 +202,15 @@ fn draw_bars(title: &str, x_title: &str, bars: &[Bar]) -> Result<Vec<u8>, Box<dy
                 .label(bars[0].1[part].0)
                 .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 14, y + 5)], color.filled()));
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(160, 160, 160))
-            .label_font((FONT, 14))
-            .draw()?;
+        draw_legend(&mut chart)?;
         for row in 0..count {
             let middle = (count - 1 - row) as f64 + 0.5;
             let (_, y) = chart.backend_coord(&(0.0, middle));
-            let style = (FONT, 14).into_text_style(&root);
+            let style = (FONT, 14).into_text_style(root);
             root.draw(&Text::new(name(middle), (20, y - 7), style))?;
         }
-        root.present()?;
-    }
-    Ok(svg.into_bytes())
+        Ok(())
+    })
 }
 
 fn tick_or_zero(value: f64) -> String {

@@ -1,15 +1,15 @@
 //! `raystream bench convergence`
 
-use super::entries::{self, Entry, Loaded, parse_entry};
+use super::entries::{self, Entry, Loaded, each_once, parse_entry};
 use super::options::{DeviceArguments, SettingsArguments};
-use super::output::{print_line, say};
+use super::output::say;
 use super::progress::ProgressDisplay;
 use super::sampling::{EstimationArguments, RoundArguments};
 use super::{CliError, Ending};
 use crate::bench::convergence::{
-    Configuration, Identity, Plan, REFERENCE_SEEDS, Reference, checkpoints, measure, value_name, write_scene,
+    Configuration, Identity, Plan, REFERENCE_SEEDS, Reference, checkpoints, measure, write_scene,
 };
-use crate::bench::{About, Folder, SceneReport};
+use crate::bench::{About, Folder, SceneReport, value_name};
 use crate::exec::Executor;
 use crate::exec::device::Device;
 use crate::render::{AllocatorKind, Estimator, IntegratorKind, PreparedScene, Settings};
@@ -98,25 +98,18 @@ pub fn run(arguments: &ConvergenceArguments) -> Result<Ending, CliError> {
     let cache = Folder::create(&arguments.cache_folder()?)?;
     let output = Folder::create(&arguments.output)?;
     let device = arguments.device.open()?;
-    let mut report = format!("{INTRODUCTION}\n");
-    for loaded in scenes {
-        let plan = Plan {
-            configurations: arguments.configurations(),
-            base: arguments.rounds.sampling(&arguments.estimation),
-            checkpoints: checkpoints(arguments.spp, &levels),
-            levels: levels.clone(),
-            repetitions: arguments.repetitions,
-        };
-        let scene_report = match &device {
-            Device::Cpu(cpu) => arguments.bench(cpu, &device, loaded, &plan, &cache, &output),
-            Device::Gpu(gpu) => arguments.bench(gpu.as_ref(), &device, loaded, &plan, &cache, &output),
-        }?;
-        report += &format!("\n{}", scene_report.section);
-        // After each scene: the next may take long.
-        output.write("report.md", report.as_bytes())?;
-        print_line(&scene_report.tables)?;
-    }
-    arguments.tell(&format!("wrote {}", output.file("report.md").display()));
+    let plan = Plan {
+        configurations: arguments.configurations(),
+        base: arguments.rounds.sampling(&arguments.estimation),
+        checkpoints: checkpoints(arguments.spp, &levels),
+        levels,
+        repetitions: arguments.repetitions,
+    };
+    let path = entries::report(INTRODUCTION, scenes, &output, |loaded| match &device {
+        Device::Cpu(cpu) => arguments.bench(cpu, &device, loaded, &plan, &cache, &output),
+        Device::Gpu(gpu) => arguments.bench(gpu.as_ref(), &device, loaded, &plan, &cache, &output),
+    })?;
+    arguments.tell(&format!("wrote {}", path.display()));
     Ok(Ending::Done)
 }
 
@@ -124,7 +117,8 @@ const INTRODUCTION: &str = "# Error over time
 
 Times are those of the rounds by the clock on the wall, the medians of the repetitions; errors are averaged over them. *Trimmed*
 errors leave out the worst 0.1 % of the pixels. Between checkpoints curves are interpolated in log-log scale, beyond their ends
-never. A table's columns are explained above it; every figure is in the CSV files.";
+never. A table's columns are explained above it; every figure is in the CSV files.
+";
 
 impl ConvergenceArguments {
     fn levels(&self) -> Result<Vec<u32>, String> {
@@ -162,12 +156,7 @@ impl ConvergenceArguments {
 
     /// The integrators to measure, each once, at least one.
     fn integrators(&self) -> Vec<IntegratorKind> {
-        let mut integrators = Vec::new();
-        for &integrator in &self.integrators {
-            if !integrators.contains(&integrator) {
-                integrators.push(integrator);
-            }
-        }
+        let integrators = each_once(&self.integrators);
         if integrators.is_empty() { vec![self.settings.integrator()] } else { integrators }
     }
 
@@ -249,23 +238,17 @@ impl ConvergenceArguments {
     }
 
     fn about(&self, label: &str, scene: &Scene, settings: &Settings, device: &Device) -> About {
-        let fact = |name: &str, value: String| (name.to_owned(), value);
-        let mut facts = vec![
-            fact("device", device.name()),
-            fact("triangles", scene.triangles.len().to_string()),
-            fact("size", format!("{}x{}", settings.size.width, settings.size.height)),
-            fact("samples per pixel", self.spp.to_string()),
-            fact("repetitions", self.repetitions.to_string()),
-        ];
         let integrators = self.integrators();
         let by_lvc = integrators.iter().chain([&self.reference_integrator()]).any(|&i| i == IntegratorKind::Lvc);
         // The settings of the light cache are told where they count.
         let integrator = if by_lvc { IntegratorKind::Lvc } else { settings.integrator };
         let described = self.settings.describe(&Settings { integrator, ..*settings });
-        facts.extend(described.into_iter().filter(|(name, _)| name != "integrator"));
+        let plan = [("samples per pixel", self.spp.to_string()), ("repetitions", self.repetitions.to_string())];
         let listed: Vec<_> = integrators.iter().map(value_name).collect();
-        facts.push(fact(if listed.len() > 1 { "integrators" } else { "integrator" }, listed.join(", ")));
-        facts.push(fact("version", env!("CARGO_PKG_VERSION").into()));
-        About { label: label.to_owned(), facts }
+        let listed = (if listed.len() > 1 { "integrators" } else { "integrator" }, listed.join(", "));
+        About {
+            label: label.to_owned(),
+            facts: entries::facts(device, scene, settings.size, plan, described, Some(listed)),
+        }
     }
 }

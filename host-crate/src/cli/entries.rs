@@ -1,8 +1,11 @@
-//! Scenes to measure, each with the size of its picture.
+//! Scenes to measure, each with the size of its picture, and the report on all of them.
 
 use super::CliError;
 use super::options::{SettingsArguments, load_scene, parse_size};
+use super::output::print_line;
 use super::render::file_stem;
+use crate::bench::{Folder, SceneReport};
+use crate::exec::device::Device;
 use crate::render::Settings;
 use crate::scene::{FilmSize, Scene};
 use std::path::PathBuf;
@@ -42,6 +45,59 @@ pub fn load(entries: &[Entry], arguments: &SettingsArguments) -> Result<Vec<Load
         scenes.push(Loaded { label, scene, settings });
     }
     Ok(scenes)
+}
+
+/// Has `measure` measure all scenes, prints their tables, and writes the report, which begins with `introduction`, to `output`. Returns
+/// where it is.
+pub fn report(
+    introduction: &str,
+    scenes: Vec<Loaded>,
+    output: &Folder,
+    mut measure: impl FnMut(Loaded) -> Result<SceneReport, CliError>,
+) -> Result<PathBuf, CliError> {
+    const FILE: &str = "report.md";
+    let mut report = introduction.to_owned();
+    for loaded in scenes {
+        let SceneReport { tables, section } = measure(loaded)?;
+        report += &format!("\n{section}");
+        // After each scene: the next may take long.
+        output.write(FILE, report.as_bytes())?;
+        print_line(&tables)?;
+    }
+    Ok(output.file(FILE))
+}
+
+/// What a report tells of a measurement beside its figures: device, scene and `size`, the plan, the settings as `described` but for their integrator, and
+/// instead of that one those that were measured.
+pub fn facts(
+    device: &Device,
+    scene: &Scene,
+    size: FilmSize,
+    plan: [(&str, String); 2],
+    described: Vec<(String, String)>,
+    integrators: Option<(&str, String)>,
+) -> Vec<(String, String)> {
+    let named = |(name, value): (&str, String)| (name.to_owned(), value);
+    let scene = [
+        ("device", device.name()),
+        ("triangles", scene.triangles.len().to_string()),
+        ("size", format!("{}x{}", size.width, size.height)),
+    ];
+    let mut facts: Vec<_> = scene.into_iter().chain(plan).map(named).collect();
+    facts.extend(described.into_iter().filter(|(name, _)| name != "integrator"));
+    facts.extend(integrators.into_iter().chain([("version", env!("CARGO_PKG_VERSION").to_owned())]).map(named));
+    facts
+}
+
+/// The values in their order, each once.
+pub fn each_once<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
+    let mut once = Vec::new();
+    for &value in values {
+        if !once.contains(&value) {
+            once.push(value);
+        }
+    }
+    once
 }
 
 impl Entry {

@@ -1,8 +1,8 @@
 //! `raystream bench integrators`
 
-use super::entries::{self, Entry, Loaded, parse_entry};
+use super::entries::{self, Entry, Loaded, each_once, parse_entry};
 use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
-use super::output::{print_line, say};
+use super::output::say;
 use super::{CliError, Ending};
 use crate::bench::integrators::{GROUP, Plan, measure, write_scene};
 use crate::bench::{About, Folder, SceneReport};
@@ -49,18 +49,11 @@ pub fn run(arguments: &IntegratorsArguments) -> Result<Ending, CliError> {
     let scenes = entries::load(&arguments.scenes, &arguments.settings)?;
     let output = Folder::create(&arguments.output)?;
     let device = arguments.device.open()?;
-    let mut report = introduction();
-    for loaded in scenes {
-        let scene_report = match &device {
-            Device::Cpu(cpu) => arguments.bench(cpu, &device, loaded, &output),
-            Device::Gpu(gpu) => arguments.bench(gpu.as_ref(), &device, loaded, &output),
-        }?;
-        report += &format!("\n{}", scene_report.section);
-        // After each scene: the next may take long.
-        output.write("report.md", report.as_bytes())?;
-        print_line(&scene_report.tables)?;
-    }
-    arguments.tell(&format!("wrote {}", output.file("report.md").display()));
+    let path = entries::report(&introduction(), scenes, &output, |loaded| match &device {
+        Device::Cpu(cpu) => arguments.bench(cpu, &device, loaded, &output),
+        Device::Gpu(gpu) => arguments.bench(gpu.as_ref(), &device, loaded, &output),
+    })?;
+    arguments.tell(&format!("wrote {}", path.display()));
     Ok(Ending::Done)
 }
 
@@ -88,13 +81,8 @@ impl IntegratorsArguments {
         } else if others.is_empty() {
             others.push(chosen);
         }
-        let mut integrators = vec![IntegratorKind::Megakernel];
-        for integrator in others {
-            if !integrators.contains(&integrator) {
-                integrators.push(integrator);
-            }
-        }
-        integrators
+        others.insert(0, IntegratorKind::Megakernel);
+        each_once(&others)
     }
 
     fn tell(&self, line: &str) {
@@ -113,17 +101,8 @@ impl IntegratorsArguments {
         let Loaded { label, scene, settings } = loaded;
         let folder = output.folder(&label)?;
         self.tell(&format!("{label}: {} triangles, on {}", scene.triangles.len(), device.name()));
-        let fact = |name: &str, value: String| (name.to_owned(), value);
-        let mut facts = vec![
-            fact("device", device.name()),
-            fact("triangles", scene.triangles.len().to_string()),
-            fact("size", format!("{}x{}", settings.size.width, settings.size.height)),
-            fact("seconds", self.time.as_secs_f64().to_string()),
-            fact("repetitions", self.repetitions.to_string()),
-        ];
-        let described = self.settings.describe(&settings);
-        facts.extend(described.into_iter().filter(|(name, _)| name != "integrator"));
-        facts.push(fact("version", env!("CARGO_PKG_VERSION").into()));
+        let plan = [("seconds", self.time.as_secs_f64().to_string()), ("repetitions", self.repetitions.to_string())];
+        let facts = entries::facts(device, &scene, settings.size, plan, self.settings.describe(&settings), None);
         let plan = Plan {
             integrators: self.integrators(settings.integrator),
             time: self.time,

@@ -98,6 +98,21 @@ impl<'a, B> Launch<'a, B> {
     }
 }
 
+/// What `allocate` makes of `capacity` or, as long as the device lacks the memory, of half of it, and so on; of no less than half of `smallest`.
+pub fn halve_until_it_fits<T>(
+    capacity: u32,
+    smallest: u32,
+    mut allocate: impl FnMut(u32) -> Result<T, ExecError>,
+) -> Result<T, ExecError> {
+    let mut capacity = capacity;
+    loop {
+        match allocate(capacity) {
+            Err(ExecError::OutOfMemory { .. }) if capacity > smallest => capacity /= 2,
+            done => return done,
+        }
+    }
+}
+
 /// What can go wrong on a device.
 #[derive(Debug, thiserror::Error)]
 pub enum ExecError {

@@ -6,7 +6,7 @@ use super::batch::BatchSize;
 use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
 use super::integrator::{Integrator, StreamBuffers};
 use super::settings::Timings;
-use crate::exec::{Array, ExecError, Executor, Launch};
+use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::path::PathParams;
 use raystream_shaders::stream::Slot;
@@ -157,13 +157,9 @@ pub fn allocate_stream<E: Executor>(
     executor: &E,
 ) -> Result<(Array<E::Buffer, Slot>, Array<E::Buffer, Contribution>), ExecError> {
     let fitting = executor.limits().buffer_bytes / size_of::<Contribution>() as u64;
-    let mut capacity = u64::from(MAX_STREAM).min(fitting) as usize;
-    loop {
-        let pair = Array::zeroed(executor, "the sample stream", capacity)
-            .and_then(|slots| Ok((slots, Array::zeroed(executor, "contributions", capacity)?)));
-        match pair {
-            Err(ExecError::OutOfMemory { .. }) if capacity > 4 * WINDOW_ALIGNMENT as usize => capacity /= 2,
-            done => return done,
-        }
-    }
+    let capacity = u64::from(MAX_STREAM).min(fitting) as u32;
+    halve_until_it_fits(capacity, 4 * WINDOW_ALIGNMENT, |capacity| {
+        let slots = Array::zeroed(executor, "the sample stream", capacity as usize)?;
+        Ok((slots, Array::zeroed(executor, "contributions", capacity as usize)?))
+    })
 }

@@ -14,7 +14,7 @@ use crate::glam::{UVec4, Vec3};
 use crate::light::{Light, LightView, area_pdf};
 use crate::material::{DIFFUSE, Material, diffuse_pdf};
 use crate::math::is_finite_vector;
-use crate::path::{camera_ray, contribution, numbers_of, sample_bsdf};
+use crate::path::{camera_ray, contribution, numbers_of, sample_bsdf, survival};
 use crate::ray::{Ray, SurfacePoint};
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream, of_vertex, unit_float};
 use crate::scene::SceneView;
@@ -135,7 +135,7 @@ impl EyeTracer<'_> {
         path.throughput *= sample.weight;
         path.subpath = path.subpath.scatter(&surface, incoming, &sample, self.samples.connection);
         if depth >= render.roulette_depth {
-            let survival = path.throughput.max_element().min(0.95);
+            let survival = survival(path.throughput);
             if unit_float(roulette) >= survival {
                 return false;
             }

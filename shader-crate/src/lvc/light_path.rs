@@ -13,7 +13,7 @@ use crate::glam::{UVec4, Vec3};
 use crate::light::{Light, LightView};
 use crate::material::{BsdfSample, DIFFUSE, Material};
 use crate::math::sample_cosine_hemisphere;
-use crate::path::sample_bsdf;
+use crate::path::{sample_bsdf, survival};
 use crate::ray::Ray;
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream, hash, of_vertex, unit_float};
 use crate::scene::SceneView;
@@ -128,7 +128,7 @@ impl LightPath {
         self.throughput *= adjoint_weight(surface, incoming, &sample);
         self.subpath = self.subpath.scatter(surface, incoming, &sample, samples.of(segment));
         if segment >= params.path.roulette_depth {
-            let survival = self.throughput.max_element().min(0.95);
+            let survival = survival(self.throughput);
             if unit_float(roulette) >= survival {
                 return false;
             }

@@ -4,12 +4,13 @@
 //! position xyz, magnitude | triangle's normal xyz, norm | shading normal xyz, segments | flux xyz, unused
 //! ```
 //!
-//! The words are bits of f32 where they are not counts, see [`crate::triangle`]. What a diffuse surface sends to a point depends on where
+//! What the words of a row are, [`crate::rows`] says. What a diffuse surface sends to a point depends on where
 //! its light came from through the flux alone, so the way it arrived is not kept.
 
 use crate::access::Scatter;
 use crate::glam::{UVec4, Vec3};
 use crate::ray::SurfacePoint;
+use crate::rows::{row, vector};
 
 /// `uvec4`s of one vertex.
 pub const ROWS_PER_VERTEX: u32 = 4;
@@ -38,7 +39,6 @@ pub struct LightVertex {
 impl LightVertex {
     /// The four rows of the buffer.
     pub fn to_rows(&self) -> [UVec4; 4] {
-        let row = |v: Vec3, w| UVec4::new(v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w);
         [
             row(self.position, self.magnitude.to_bits()),
             row(self.geometric, self.norm.to_bits()),
@@ -49,7 +49,6 @@ impl LightVertex {
 
     /// Unpacks the four rows.
     pub fn from_rows(rows: [UVec4; 4]) -> Self {
-        let vector = |row: UVec4| Vec3::new(f32::from_bits(row.x), f32::from_bits(row.y), f32::from_bits(row.z));
         Self {
             position: vector(rows[0]),
             magnitude: f32::from_bits(rows[0].w),

@@ -1,7 +1,7 @@
 //! What is measured against what: integrator, allocator, estimator, and the error's measure.
 
+use crate::bench::value_name;
 use crate::render::{AllocatorKind, Estimator, IntegratorKind, Sampling, Settings};
-use clap::ValueEnum;
 
 /// One way to spend samples, and who computes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -81,11 +81,6 @@ impl Configuration {
             Sampling { allocator: self.allocator, estimator: self.estimator, relative: self.relative, ..base };
         Settings { integrator: self.integrator, sampling, ..*settings }
     }
-}
-
-/// What the command line calls a value.
-pub fn value_name(value: &impl ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What a reference picture is a picture of, so that a stored one is taken for no other.
 
-use super::configuration::value_name;
+use crate::bench::value_name;
 use crate::exec::gpu::SPIRV;
 use crate::image::LayeredImage;
 use crate::render::{IntegratorKind, Settings, Techniques};

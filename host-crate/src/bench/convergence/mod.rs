@@ -20,7 +20,7 @@ mod rounds;
 mod speedup;
 mod tables;
 
-pub use configuration::{Configuration, value_name};
+pub use configuration::Configuration;
 pub use curve::{Point, checkpoints};
 pub use errors::{Errors, TRIM};
 pub use identity::Identity;

@@ -1,6 +1,5 @@
 //! Everything that was measured of a scene, as files and as tables to read.
 
-use super::configuration::value_name;
 use super::gains::Speedup;
 use super::metric::Metric;
 use super::pictures::{self, Pictures};
@@ -12,7 +11,7 @@ use super::{Measured, Measurement, Plan};
 use crate::bench::files::Folder;
 use crate::bench::plot::{self, Curve};
 use crate::bench::tables::{Column, csv, markdown};
-use crate::bench::{About, BenchError, SceneReport};
+use crate::bench::{About, BenchError, SceneReport, value_name};
 use crate::exec::Executor;
 use crate::render::{AllocatorKind, PreparedScene, Settings};
 
@@ -44,10 +43,7 @@ pub fn write_scene<E: Executor>(
     write_plots(measurement, &breakdowns, about, folder)?;
     let pictures = pictures::write(executor, scene, settings, plan, reference, measurement, &folder.folder(PICTURES)?)?;
 
-    let mut tables = format!("## {}\n\n", about.label);
-    for (name, value) in &about.facts {
-        tables += &format!("- {name}: {value}\n");
-    }
+    let mut tables = about.heading();
     tables += &format!(
         "- reference: {} samples per pixel by {}, RMSE {noise:.2e} by its halves; errors below {REFERENCE_MARGIN} times that are limited by it\n",
         reference.samples,
@@ -60,7 +56,7 @@ pub fn write_scene<E: Executor>(
         tables += &format!("- **warning**: {warning}\n");
     }
     tables += &summary(measurement, &comparisons, &plan.levels, &breakdowns);
-    let section = format!("{tables}\n{}", illustrations(&about.label, pictures.as_ref()));
+    let section = format!("{tables}\n{}", illustrations(&about.folder(), pictures.as_ref()));
     Ok(SceneReport { tables, section })
 }
 
@@ -274,9 +270,7 @@ fn rounds(breakdowns: &[(String, Breakdown)]) -> Vec<Column> {
 }
 
 /// Plots and pictures.
-fn illustrations(label: &str, pictures: Option<&Pictures>) -> String {
-    // Blanks would end a path in Markdown.
-    let folder = label.replace(' ', "%20");
+fn illustrations(folder: &str, pictures: Option<&Pictures>) -> String {
     let mut text = String::new();
     for plot in
         ["convergence", "convergence-trimmed", "convergence-samples", "convergence-trimmed-samples", "breakdown"]

@@ -10,8 +10,8 @@ mod stream;
 pub use occupancy::{GROUP, Lanes};
 pub use report::write_scene;
 
-use super::BenchError;
 use super::paths::{self, PathSpeed};
+use super::{BenchError, value_name};
 use crate::exec::{Counting, Executor};
 use crate::render::{IntegratorKind, PreparedScene, Settings};
 use std::time::Duration;
@@ -85,7 +85,7 @@ pub fn measure<E: Executor>(
     let mut measured = Vec::new();
     let mut expected = None;
     for &integrator in &plan.integrators {
-        say(&format!("{}: a stream of {} slots", name(integrator), plan.stream));
+        say(&format!("{}: a stream of {} slots", value_name(&integrator), plan.stream));
         let traced = stream.trace(executor, integrator)?;
         let expected = expected.get_or_insert_with(|| traced.contributions.clone());
         let identical = stream::identical(&traced.contributions, expected);
@@ -103,7 +103,7 @@ pub fn measure<E: Executor>(
             measured.memory = counting.bytes();
             say(&format!(
                 "{}, {} of {}: {:.2} Mpaths/s",
-                name(measured.integrator),
+                value_name(&measured.integrator),
                 repetition + 1,
                 plan.repetitions,
                 speed.mpaths_per_second
@@ -118,17 +118,12 @@ pub fn measure<E: Executor>(
             let ((mean, error), (first, first_error)) = (other.mean(), measured[0].mean());
             return Err(BenchError::Wrong(format!(
                 "the mean of {} is {mean:.6} +- {error:.1e}, that of {} {first:.6} +- {first_error:.1e}: {z:.1} standard errors apart",
-                name(other.integrator),
-                name(measured[0].integrator)
+                value_name(&other.integrator),
+                value_name(&measured[0].integrator)
             )));
         }
     }
     Ok(measured)
-}
-
-/// As the command line calls it.
-fn name(integrator: IntegratorKind) -> String {
-    format!("{integrator:?}").to_lowercase()
 }
 
 #[cfg(test)]

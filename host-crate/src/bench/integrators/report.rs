@@ -1,10 +1,10 @@
 //! What was measured of a scene, as files and as a table to read.
 
-use super::{Measured, name};
+use super::Measured;
 use crate::bench::files::Folder;
 use crate::bench::plot::{self, Curve};
 use crate::bench::tables::{Column, csv, markdown};
-use crate::bench::{About, BenchError, SceneReport};
+use crate::bench::{About, BenchError, SceneReport, value_name};
 use serde::Serialize;
 
 /// A line of `integrators.csv`: one integrator.
@@ -60,13 +60,10 @@ pub fn write_scene(
     let curves: Vec<Curve> = measured.iter().flat_map(curves).collect();
     folder.write("lanes.svg", &plot::lines(&title, "iteration, a segment each", "million paths", &curves)?)?;
 
-    let mut tables = format!("## {}\n\n", about.label);
-    for (fact, value) in &about.facts {
-        tables += &format!("- {fact}: {value}\n");
-    }
+    let mut tables = about.heading();
     tables += "\n";
     tables += &markdown(&columns(&rows));
-    let section = format!("{tables}\n![lanes]({}/lanes.svg)\n", about.label.replace(' ', "%20"));
+    let section = format!("{tables}\n![lanes]({}/lanes.svg)\n", about.folder());
     Ok(SceneReport { tables, section })
 }
 
@@ -74,7 +71,7 @@ fn row(measured: &Measured, first: &Measured, stream: u32) -> Row {
     let speed = measured.median(|speed| speed.mpaths_per_second);
     let (mean, mean_error) = measured.mean();
     Row {
-        integrator: name(measured.integrator),
+        integrator: value_name(&measured.integrator),
         mpaths_per_second: speed,
         gain: speed / first.median(|speed| speed.mpaths_per_second),
         mrays_per_second: measured.median(|speed| speed.mrays_per_second),
@@ -94,7 +91,7 @@ fn tracing_speed(speed: &crate::bench::paths::PathSpeed) -> f64 {
 
 fn repetition_rows(measured: &Measured) -> impl Iterator<Item = RepetitionRow> {
     measured.speeds.iter().zip(1..).map(|(speed, repetition)| RepetitionRow {
-        integrator: name(measured.integrator),
+        integrator: value_name(&measured.integrator),
         repetition,
         mpaths_per_second: speed.mpaths_per_second,
         mrays_per_second: speed.mrays_per_second,
@@ -107,7 +104,7 @@ fn repetition_rows(measured: &Measured) -> impl Iterator<Item = RepetitionRow> {
 
 fn lanes_rows(measured: &Measured) -> impl Iterator<Item = LanesRow> {
     measured.lanes.iter().zip(1..).map(|(lanes, iteration)| LanesRow {
-        integrator: name(measured.integrator),
+        integrator: value_name(&measured.integrator),
         iteration,
         active: lanes.active,
         held: lanes.held,
@@ -119,9 +116,9 @@ fn curves(measured: &Measured) -> Vec<Curve> {
     let points = |lanes: fn(&super::Lanes) -> u64| {
         measured.lanes.iter().zip(1_u32..).map(|(l, k)| (f64::from(k), lanes(l) as f64 / 1e6)).collect::<Vec<_>>()
     };
-    let paths = (name(measured.integrator), points(|l| l.active));
+    let paths = (value_name(&measured.integrator), points(|l| l.active));
     let waits = measured.lanes.iter().any(|lanes| lanes.held > lanes.active);
-    let held = (format!("{}, with lanes that wait", name(measured.integrator)), points(|l| l.held));
+    let held = (format!("{}, with lanes that wait", value_name(&measured.integrator)), points(|l| l.held));
     if waits { vec![paths, held] } else { vec![paths] }
 }
 

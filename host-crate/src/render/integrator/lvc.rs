@@ -26,7 +26,7 @@
 //! where paths are too short to be connected, there is no cache and what is left is the path tracer.
 
 use super::{Integrator, IntegratorContext, StreamBuffers};
-use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits, kernels};
 use crate::render::LightCacheSettings;
 use bytemuck::Zeroable;
 use glam::UVec4;
@@ -83,10 +83,12 @@ impl<B> Lvc<B> {
         }
         let vertices_per_path = pilot(context, light_segments)?;
         let automatic = automatic_light_paths(context, vertices_per_path, light_segments);
-        let mut light_paths = settings.light_paths.unwrap_or(automatic);
+        let light_paths = settings.light_paths.unwrap_or(automatic);
         let connections =
             settings.connections.unwrap_or_else(|| vertices_per_path.round().clamp(1.0, MAX_PILOT_CONNECTIONS) as u32);
-        loop {
+        // A number that was asked for is not made smaller.
+        let smallest = settings.light_paths.unwrap_or(1);
+        halve_until_it_fits(light_paths, smallest, |light_paths| {
             let parameters = LvcParams {
                 light_segments,
                 vertices_per_path: light_segments,
@@ -96,19 +98,10 @@ impl<B> Lvc<B> {
                 connection_scale: (1.0 / (f64::from(light_paths) * f64::from(connections))) as f32,
                 ..path_tracing(path, settings)
             };
-            match Self::with_room(context.executor, parameters, light_paths) {
-                Err(ExecError::OutOfMemory { .. }) if settings.light_paths.is_none() && light_paths > 1 => {
-                    light_paths /= 2;
-                }
-                done => {
-                    let vertices = vertices_per_path * f64::from(light_paths);
-                    tracing::debug!(
-                        "light paths: {light_paths} of {vertices_per_path:.3} vertices, {connections} connections"
-                    );
-                    return done.map(|lvc| Self { vertices, ..lvc });
-                }
-            }
-        }
+            let lvc = Self::with_room(context.executor, parameters, light_paths)?;
+            tracing::debug!("light paths: {light_paths} of {vertices_per_path:.3} vertices, {connections} connections");
+            Ok(Self { vertices: vertices_per_path * f64::from(light_paths), ..lvc })
+        })
     }
 
     fn with_room<E: Executor<Buffer = B>>(

@@ -5,7 +5,7 @@
 
 use super::passes::Pass;
 use super::{Integrator, StreamBuffers};
-use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits, kernels};
 use crate::render::film::WINDOW_ALIGNMENT;
 use bytemuck::Zeroable;
 use glam::UVec4;
@@ -58,14 +58,9 @@ impl<B> Wavefront<B> {
         regenerates: bool,
     ) -> Result<Self, ExecError> {
         let fitting = executor.limits().buffer_bytes / (u64::from(POOL_ROWS) * size_of::<UVec4>() as u64);
-        let mut capacity = u64::from(capacity).min(fitting).max(1) as u32;
+        let capacity = u64::from(capacity).min(fitting).max(1) as u32;
         let smallest = (stream / MOST_REPLACEMENTS).max(4 * WINDOW_ALIGNMENT);
-        loop {
-            match Self::allocate(executor, stream, capacity, regenerates) {
-                Err(ExecError::OutOfMemory { .. }) if capacity > smallest => capacity /= 2,
-                done => return done,
-            }
-        }
+        halve_until_it_fits(capacity, smallest, |capacity| Self::allocate(executor, stream, capacity, regenerates))
     }
 
     fn allocate<E: Executor<Buffer = B>>(
