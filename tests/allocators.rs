@@ -201,6 +201,19 @@ fn budgets_are_met_and_films_are_sequential_sums() {
 }
 
 #[test]
+fn films_are_sequential_sums_however_far_apart_runs_are() {
+    // Pixels that have not converged: runs of a thousand slots, and two of a few with all the picture between them.
+    for (live, budget) in [(3000, 9600), (27_999, 9600), (27_999, 100), (1100, 300)] {
+        let errors = (0..28_000).map(|pixel| if pixel % live == 0 { 1.0 + (pixel % 7) as f32 } else { -1.0 }).collect();
+        let round = Round::new(errors, budget);
+        let cpu = round.make(&CpuExecutor, Runs, false);
+        round.assert_sound(&cpu, "far apart");
+        assert_same_bytes(&cpu.film, &round.sequential_film(&cpu, false), "far apart");
+        with_gpu(|gpu| assert_same_bytes(&round.make(gpu, Runs, false).film, &cpu.film, "far apart"));
+    }
+}
+
+#[test]
 fn neighbours_in_a_stream_of_runs_are_neighbours_in_the_picture() {
     let round = Round::new(wild_errors(1200), 3000);
     let made = round.make(&CpuExecutor, Runs, false);
@@ -372,8 +385,8 @@ impl Executor for Small {
         self.0.read(buffer, first_byte, bytes)
     }
 
-    fn run(&self, launches: &[Launch<'_, CpuBuffer>]) -> Result<Vec<Duration>, ExecError> {
-        self.0.run(launches)
+    fn run_parts(&self, parts: &[&[Launch<'_, CpuBuffer>]]) -> Result<Vec<Duration>, ExecError> {
+        self.0.run_parts(parts)
     }
 }
 

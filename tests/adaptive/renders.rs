@@ -49,14 +49,14 @@ impl<E: Executor> Executor for Small<'_, E> {
     fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
         self.inner.read(buffer, first_byte, bytes)
     }
-    fn run(&self, launches: &[Launch<'_, Self::Buffer>]) -> Result<Vec<Duration>, ExecError> {
-        let traces = launches.iter().any(|launch| launch.kernel().name == kernels::trace_paths.name);
+    fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
+        let traces = parts.iter().copied().flatten().any(|launch| launch.kernel().name == kernels::trace_paths.name);
         if traces
             && self.slow_batches.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).is_ok()
         {
             std::thread::sleep(SLOW);
         }
-        self.inner.run(launches)
+        self.inner.run_parts(parts)
     }
 }
 

@@ -78,14 +78,15 @@ impl Executor for Hindered {
     fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
         CpuExecutor.read(buffer, first_byte, bytes)
     }
-    fn run(&self, launches: &[Launch<'_, Self::Buffer>]) -> Result<Vec<Duration>, ExecError> {
-        let traces = launches.iter().any(|launch| launch.kernel().name == kernels::trace_eye_paths.name);
+    fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
+        let traces =
+            parts.iter().copied().flatten().any(|launch| launch.kernel().name == kernels::trace_eye_paths.name);
         let fewer = |left: u32| left.checked_sub(1);
         if traces && self.slow_batches.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fewer).is_ok() {
             // Twice as long as batches should.
             std::thread::sleep(Duration::from_millis(200));
         }
-        CpuExecutor.run(launches)
+        CpuExecutor.run_parts(parts)
     }
 }
 

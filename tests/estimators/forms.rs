@@ -131,8 +131,8 @@ impl Executor for SmallBuffers {
     fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
         self.0.read(buffer, first_byte, bytes)
     }
-    fn run(&self, launches: &[Launch<'_, Self::Buffer>]) -> Result<Vec<Duration>, ExecError> {
-        self.0.run(launches)
+    fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
+        self.0.run_parts(parts)
     }
 }
 

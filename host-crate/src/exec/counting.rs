@@ -47,7 +47,7 @@ impl<E: Executor> Executor for Counting<'_, E> {
         self.inner.read(buffer, first_byte, bytes)
     }
 
-    fn run(&self, launches: &[Launch<'_, Self::Buffer>]) -> Result<Vec<Duration>, ExecError> {
-        self.inner.run(launches)
+    fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
+        self.inner.run_parts(parts)
     }
 }

@@ -53,8 +53,8 @@ impl Executor for CpuExecutor {
         Ok(bytemuck::cast_slice(&blocks)[first_byte as usize..][..bytes as usize].to_vec())
     }
 
-    fn run(&self, launches: &[Launch<'_, CpuBuffer>]) -> Result<Vec<Duration>, ExecError> {
-        Ok(launches.iter().map(run_one).collect())
+    fn run_parts(&self, parts: &[&[Launch<'_, CpuBuffer>]]) -> Result<Vec<Duration>, ExecError> {
+        Ok(parts.iter().map(|launches| launches.iter().map(run_one).sum()).collect())
     }
 }
 

@@ -27,36 +27,36 @@ pub struct GpuExecutor {
     queue: wgpu::Queue,
     pipelines: HashMap<&'static str, Pipeline>,
     limits: wgpu::Limits,
-    /// What times launches, where the device has a clock, and is kept from run to run.
+    /// What times parts of runs, where the device has a clock, and is kept from run to run.
     clock: Option<Mutex<Clock>>,
     /// What the driver reported outside of any call that could return it.
     failure: Arc<Mutex<Option<String>>>,
 }
 
-/// Two time stamps for each launch of a run.
+/// Two time stamps for each part of a run.
 struct Clock {
-    launches: u32,
+    parts: u32,
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: wgpu::Buffer,
 }
 
 impl Clock {
-    fn new(device: &wgpu::Device, launches: u32) -> Self {
+    fn new(device: &wgpu::Device, parts: u32) -> Self {
         let buffer = |label, usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: u64::from(launches) * 16,
+                size: u64::from(parts) * 16,
                 usage,
                 mapped_at_creation: false,
             })
         };
         Self {
-            launches,
+            parts,
             queries: device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("launches"),
+                label: Some("parts of a run"),
                 ty: wgpu::QueryType::Timestamp,
-                count: 2 * launches,
+                count: 2 * parts,
             }),
             resolved: buffer("timestamps", wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
             staging: buffer("timestamps", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
@@ -219,7 +219,10 @@ impl GpuExecutor {
     }
 
     /// All launches' parameter blocks in one buffer, and where each starts.
-    fn parameter_buffer(&self, launches: &[Launch<'_, wgpu::Buffer>]) -> (wgpu::Buffer, Vec<u64>) {
+    fn parameter_buffer<'a, 'b: 'a>(
+        &self,
+        launches: impl Iterator<Item = &'a Launch<'b, wgpu::Buffer>>,
+    ) -> (wgpu::Buffer, Vec<u64>) {
         let alignment = self.limits.min_uniform_buffer_offset_alignment as usize;
         let mut bytes = Vec::new();
         let mut starts = Vec::new();
@@ -343,45 +346,47 @@ impl Executor for GpuExecutor {
         Ok(copy)
     }
 
-    fn run(&self, launches: &[Launch<'_, wgpu::Buffer>]) -> Result<Vec<Duration>, ExecError> {
-        if launches.is_empty() {
+    fn run_parts(&self, parts: &[&[Launch<'_, wgpu::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
+        if parts.is_empty() {
             return Ok(Vec::new());
         }
         let start = Instant::now();
+        let count = parts.len() as u32;
         let mut clock = self.clock.as_ref().map(|clock| clock.lock().unwrap_or_else(PoisonError::into_inner));
         if let Some(clock) = &mut clock
-            && clock.launches < launches.len() as u32
+            && clock.parts < count
         {
             // Twice the number, so that little is made over and over while runs get longer.
-            **clock = Clock::new(&self.device, (2 * launches.len() as u32).min(wgpu::QUERY_SET_MAX_QUERIES / 2));
+            **clock = Clock::new(&self.device, (2 * count).min(wgpu::QUERY_SET_MAX_QUERIES / 2));
         }
-        let clock = clock.as_deref().filter(|clock| clock.launches >= launches.len() as u32);
-        let (parameters, starts) = self.parameter_buffer(launches);
+        let clock = clock.as_deref().filter(|clock| clock.parts >= count);
+        let (parameters, starts) = self.parameter_buffer(parts.iter().copied().flatten());
+        let mut starts = starts.into_iter();
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        for (index, (launch, &first_byte)) in launches.iter().zip(&starts).enumerate() {
-            let group = self.bind_group(launch, &parameters, first_byte);
-            let first_stamp = 2 * index as u32;
+        for (part, first_stamp) in parts.iter().zip((0..).step_by(2)) {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(launch.kernel.name),
+                label: part.first().map(|launch| launch.kernel.name),
                 timestamp_writes: clock.map(|clock| wgpu::ComputePassTimestampWrites {
                     query_set: &clock.queries,
                     beginning_of_pass_write_index: Some(first_stamp),
                     end_of_pass_write_index: Some(first_stamp + 1),
                 }),
             });
-            pass.set_pipeline(&self.pipelines[launch.kernel.name].pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            let (columns, rows) = self.grid(launch.kernel, launch.threads());
-            pass.dispatch_workgroups(columns, rows, 1);
+            for (launch, first_byte) in part.iter().zip(&mut starts) {
+                pass.set_pipeline(&self.pipelines[launch.kernel.name].pipeline);
+                pass.set_bind_group(0, &self.bind_group(launch, &parameters, first_byte), &[]);
+                let (columns, rows) = self.grid(launch.kernel, launch.threads());
+                pass.dispatch_workgroups(columns, rows, 1);
+            }
         }
         let Some(clock) = clock else {
             self.queue.submit([encoder.finish()]);
             self.wait()?;
             // Without a device clock the best guess is an even share.
-            return Ok(vec![start.elapsed() / launches.len() as u32; launches.len()]);
+            return Ok(vec![start.elapsed() / count; parts.len()]);
         };
         // Read back with the same submission: a second one would be a second round trip.
-        let stamps = 2 * launches.len() as u32;
+        let stamps = 2 * count;
         let bytes = u64::from(stamps) * 8;
         encoder.resolve_query_set(&clock.queries, 0..stamps, &clock.resolved, 0);
         encoder.copy_buffer_to_buffer(&clock.resolved, 0, &clock.staging, 0, bytes);

@@ -114,38 +114,33 @@ pub type Place = fn(&mut Timings) -> &mut Duration;
 
 /// Launches of one submission.
 pub struct Parts<'a, B> {
-    launches: Vec<Launch<'a, B>>,
-    places: Vec<Place>,
+    parts: Vec<(Vec<Launch<'a, B>>, Place)>,
 }
 
 impl<B> Default for Parts<'_, B> {
     fn default() -> Self {
-        Self { launches: Vec::new(), places: Vec::new() }
+        Self { parts: Vec::new() }
     }
 }
 
 impl<'a, B> Parts<'a, B> {
     /// Adds launches whose time belongs to `place`.
     pub fn add(&mut self, launches: Vec<Launch<'a, B>>, place: Place) {
-        self.places.extend(launches.iter().map(|_| place));
-        self.launches.extend(launches);
+        self.parts.push((launches, place));
     }
 
-    /// Runs them all and forgets them.
+    /// Runs them all and forgets them. Where `RUST_LOG` asks for traces, every launch is timed.
     pub fn run<E: Executor<Buffer = B>>(&mut self, executor: &E) -> Result<Timings, ExecError> {
+        let parts = std::mem::take(&mut self.parts);
+        let longest = if tracing::enabled!(tracing::Level::TRACE) { 1 } else { usize::MAX };
+        let timed =
+            || parts.iter().flat_map(|(launches, place)| launches.chunks(longest).map(move |part| (part, place)));
+        let times = executor.run_parts(&timed().map(|(part, _)| part).collect::<Vec<_>>())?;
         let mut timings = Timings::default();
-        let launches = std::mem::take(&mut self.launches);
-        let times = executor.run(&launches)?;
-        for (launch, time) in launches.iter().zip(&times) {
-            tracing::trace!(
-                "{:8.1} us {} of {} threads",
-                time.as_secs_f64() * 1e6,
-                launch.kernel().name,
-                launch.threads()
-            );
-        }
-        for (place, time) in std::mem::take(&mut self.places).into_iter().zip(times) {
+        for ((part, place), time) in timed().zip(times) {
             *place(&mut timings) += time;
+            let (kernel, threads) = (part[0].kernel().name, part[0].threads());
+            tracing::trace!("{:8.1} us {kernel} of {threads} threads", time.as_secs_f64() * 1e6);
         }
         Ok(timings)
     }
