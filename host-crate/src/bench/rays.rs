@@ -144,10 +144,7 @@ pub fn brute_force(scene: &PreparedScene, ray: &Ray) -> Hit {
     let triangles = TriangleView::new(&scene.triangles);
     let mut hit = Hit::miss(ray.t_max);
     for triangle in 0..scene.scene_triangles.len() as u32 {
-        let (t, u, v) = triangles.get(triangle).intersect(ray.origin, ray.direction);
-        if t > 0.0 && t < hit.t {
-            hit = Hit { t, u, v, triangle };
-        }
+        triangles.planes(triangle).test(ray, triangle, &mut hit);
     }
     hit
 }

@@ -21,6 +21,7 @@ pub mod run;
 mod sampling;
 mod scene_buffers;
 mod settings;
+mod triangles;
 
 pub use bvh::BvhQuality;
 pub use estimation_settings::{EstimationSettings, FilterSettings};

@@ -2,7 +2,7 @@
 
 use super::RenderError;
 use super::bvh::{self, BvhQuality};
-use super::lights;
+use super::{lights, triangles};
 use crate::scene::{CameraSettings, PathLimits, Scene};
 use glam::UVec4;
 use raystream_shaders::light::Light;
@@ -40,7 +40,7 @@ impl PreparedScene {
         let lights = lights::build(&scene.triangles, &scene.materials);
         Ok(Self {
             nodes: bvh.nodes,
-            triangles: bvh.order.iter().flat_map(|&index| scene.triangles[index as usize].to_rows()).collect(),
+            triangles: triangles::table(&scene.triangles, &bvh.order),
             scene_triangles: bvh.order,
             attributes: scene.attributes,
             materials: scene.materials,
