@@ -46,17 +46,6 @@ impl<'a> BvhView<'a> {
         Self { nodes, triangles: TriangleView::new(triangles) }
     }
 
-    /// The triangles alone, for shading: they can be looked up, but no ray can be traced.
-    pub fn of_triangles(triangles: &'a [UVec4]) -> Self {
-        // The nodes must be some slice, and SPIR-V has none that is empty.
-        Self::new(triangles, triangles)
-    }
-
-    /// The triangles, in the order of the leaves.
-    pub fn triangles(&self) -> TriangleView<'a> {
-        self.triangles
-    }
-
     /// The nearest triangle that `ray` hits in `0 < t < ray.t_max`.
     pub fn closest_hit(&self, ray: &Ray) -> Hit {
         self.traverse::<false>(ray)

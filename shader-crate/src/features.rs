@@ -3,7 +3,6 @@
 //! They guide filters and are layers of the picture. They settle long before the light does, so they have camera rays of their own,
 //! and only up to [`FEATURE_SAMPLES`] a pixel: paths need not carry them to the film.
 
-use crate::bvh::BvhView;
 use crate::device_struct;
 use crate::glam::{UVec4, Vec3};
 use crate::material::Material;
@@ -62,8 +61,7 @@ pub fn first_hits(
     texels: &[u32],
     features: &mut FeaturePixel,
 ) {
-    let scene =
-        SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.path.offset_roundings);
+    let scene = SceneView::new(nodes, triangles, attributes, materials, texels, params.path.offset_roundings);
     let camera = &params.path.camera;
     let (x, y) = pixel_of_rank(params.first_rank + lane, camera.width, camera.height);
     let mut sums = *features;
@@ -72,7 +70,7 @@ pub fn first_hits(
         let ray = camera.ray(x, y, numbers.pair(PIXEL));
         let hit = scene.bvh.closest_hit(&ray);
         if hit.is_some() {
-            let surface = Surface::at(&scene, &ray, &hit);
+            let surface = Surface::at(&scene.surfaces, &ray, &hit);
             sums.albedo += surface.material.reflectance;
             sums.hits += 1;
             sums.normal += surface.normal;

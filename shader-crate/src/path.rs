@@ -5,7 +5,6 @@
 //! 1997, chapter 9).
 
 use crate::access::at;
-use crate::bvh::BvhView;
 use crate::camera::Camera;
 use crate::device_struct;
 use crate::film::Contribution;
@@ -17,7 +16,7 @@ use crate::material::{
 use crate::math::power_heuristic;
 use crate::ray::{Hit, Ray, SurfacePoint};
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, PIXEL, SampleStream, of_vertex, unit_float};
-use crate::scene::SceneView;
+use crate::scene::{SceneView, SurfaceView};
 use crate::stream::{NO_PIXEL, Slot};
 use crate::surface::{Attributes, Surface};
 use crate::tiles::pixel_of_rank;
@@ -72,7 +71,7 @@ pub fn trace_paths(
     texels: &[u32],
     contribution: &mut Contribution,
 ) {
-    let scene = SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.offset_roundings);
+    let scene = SceneView::new(nodes, triangles, attributes, materials, texels, params.offset_roundings);
     *contribution = trace_slot(params, &scene, &LightView::new(lights, params.lights), at(slots, lane));
 }
 
@@ -185,7 +184,7 @@ impl Path {
         numbers: &SampleStream,
     ) -> bool {
         let hit = scene.bvh.closest_hit(&self.ray);
-        let bounce = self.shade(params, scene, lights, numbers, &hit);
+        let bounce = self.shade(params, &scene.surfaces, lights, numbers, &hit);
         if bounce.light.is_some() && !scene.bvh.is_occluded(&bounce.light.segment) {
             self.radiance += bounce.light.radiance;
         }
@@ -198,7 +197,7 @@ impl Path {
     pub fn shade(
         &mut self,
         params: &PathParams,
-        scene: &SceneView<'_>,
+        surfaces: &SurfaceView<'_>,
         lights: &LightView<'_>,
         numbers: &SampleStream,
         hit: &Hit,
@@ -210,7 +209,7 @@ impl Path {
             self.radiance += self.throughput * params.background;
             return Bounce { light, goes_on: false };
         }
-        let surface = Surface::at(scene, &self.ray, hit);
+        let surface = Surface::at(surfaces, &self.ray, hit);
         if surface.from_front && surface.material.emits() {
             let weight = self.emission_weight(params, &surface, hit.t);
             self.radiance += self.throughput * surface.material.emission * weight;
@@ -222,7 +221,7 @@ impl Path {
         let [choice, roulette] = numbers.bits(of_vertex(vertex, CHOICES));
         if surface.material.kind == DIFFUSE && params.techniques != BSDF_SAMPLING_ALONE && !lights.is_empty() {
             let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
-            light = self.sample_light(params, scene.offset_roundings, lights, &surface, choice, point);
+            light = self.sample_light(params, surfaces.offset_roundings, lights, &surface, choice, point);
             self.rays += light.count;
         }
         let sample =

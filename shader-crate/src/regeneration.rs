@@ -5,7 +5,6 @@
 //! waits for the longest path of the group, as in [`trace_paths`](crate::path::trace_paths).
 
 use crate::access::{Atomics, Scatter, at};
-use crate::bvh::BvhView;
 use crate::film::Contribution;
 use crate::glam::UVec4;
 use crate::light::{Light, LightView};
@@ -35,7 +34,7 @@ pub fn regenerate_paths(
     contributions: &mut Scatter<'_, Contribution>,
     taken: &mut Atomics<'_>,
 ) {
-    let scene = SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.offset_roundings);
+    let scene = SceneView::new(nodes, triangles, attributes, materials, texels, params.offset_roundings);
     let lights = LightView::new(lights, params.lights);
     // Overwritten before it is used: the lane has no path yet.
     let (mut number, nobody) = (0, Slot { rank: 0, sample: 0 });

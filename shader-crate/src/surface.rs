@@ -5,7 +5,7 @@ use crate::device_struct;
 use crate::glam::{Vec2, Vec3};
 use crate::material::Material;
 use crate::ray::{Hit, Ray, SurfacePoint};
-use crate::scene::SceneView;
+use crate::scene::SurfaceView;
 use crate::texture::NO_TEXTURE;
 use crate::triangle::NO_ATTRIBUTES;
 #[cfg(target_arch = "spirv")]
@@ -54,14 +54,14 @@ pub struct Surface {
 
 impl Surface {
     /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some).
-    pub fn at(scene: &SceneView<'_>, ray: &Ray, hit: &Hit) -> Self {
-        let triangle = scene.bvh.triangles().get(hit.triangle);
-        let point = triangle.surface_point(hit, scene.offset_roundings);
+    pub fn at(surfaces: &SurfaceView<'_>, ray: &Ray, hit: &Hit) -> Self {
+        let triangle = surfaces.triangles.get(hit.triangle);
+        let point = triangle.surface_point(hit, surfaces.offset_roundings);
         let geometric = point.normal;
-        let mut material = at(scene.materials, triangle.material);
+        let mut material = at(surfaces.materials, triangle.material);
         let mut shading = geometric;
         if triangle.attributes != NO_ATTRIBUTES {
-            let a = at(scene.attributes, triangle.attributes);
+            let a = at(surfaces.attributes, triangle.attributes);
             let w = 1.0 - hit.u - hit.v;
             let normal = a.normal0 * w + a.normal1 * hit.u + a.normal2 * hit.v;
             let length = normal.length_squared();
@@ -70,7 +70,7 @@ impl Surface {
             }
             if material.texture != NO_TEXTURE {
                 let uv = Vec2::new(a.u0, a.v0) * w + Vec2::new(a.u1, a.v1) * hit.u + Vec2::new(a.u2, a.v2) * hit.v;
-                material.reflectance = scene.textures.sample(material.texture, uv.x, uv.y);
+                material.reflectance = surfaces.textures.sample(material.texture, uv.x, uv.y);
             }
         }
         let from_outside = ray.direction.dot(shading) < 0.0;

@@ -30,7 +30,7 @@ use crate::material::Material;
 use crate::path::{Path, PathParams, SampledLight, camera_ray, contribution, numbers_of};
 use crate::pool::{ENDS, Gathered, NO_LIGHT, Pool};
 use crate::prefix::BLOCK;
-use crate::scene::SceneView;
+use crate::scene::{SceneView, SurfaceView};
 use crate::stream::{NO_PIXEL, Slot};
 use crate::surface::Attributes;
 
@@ -169,10 +169,9 @@ pub fn shade_queue(
     }
     let numbers = numbers_of(&params.path, slot);
     let mut path = if survives { pool.path(rows, at(kept, lane)) } else { Path::begin(&params.path, slot, &numbers) };
-    let scene =
-        SceneView::new(BvhView::of_triangles(triangles), attributes, materials, texels, params.path.offset_roundings);
+    let surfaces = SurfaceView::new(triangles, attributes, materials, texels, params.path.offset_roundings);
     let lights = LightView::new(lights, params.path.lights);
-    let bounce = path.shade(&params.path, &scene, &lights, &numbers, &pool.hit(rows, lane));
+    let bounce = path.shade(&params.path, &surfaces, &lights, &numbers, &pool.hit(rows, lane));
     pool.set_light(rows, lane, number, &bounce.light, bounce.goes_on);
     if bounce.goes_on {
         *goes_on = 1;
@@ -236,8 +235,7 @@ pub fn finish_queue(
     rows: &mut Scatter<'_, UVec4>,
     contributions: &mut Scatter<'_, Contribution>,
 ) {
-    let scene =
-        SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.path.offset_roundings);
+    let scene = SceneView::new(nodes, triangles, attributes, materials, texels, params.path.offset_roundings);
     let lights = LightView::new(lights, params.path.lights);
     let pool = params.pool();
     let mut next_slot = at(queues, params.iteration - 1).next_slot + lane;

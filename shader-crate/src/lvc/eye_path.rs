@@ -8,7 +8,6 @@ use super::light_vertex::LightVertex;
 use super::mis::{Join, Subpath, TechniqueSamples, connection_weight, cosine, emission_weight, lambert, light_weight};
 use super::{LvcParams, MAX_CONNECTIONS};
 use crate::access::at;
-use crate::bvh::BvhView;
 use crate::film::Contribution;
 use crate::glam::{UVec4, Vec3};
 use crate::light::{Light, LightView, area_pdf};
@@ -42,13 +41,7 @@ pub fn trace_eye_paths(
     let tracer = EyeTracer {
         params,
         samples: params.samples(),
-        scene: SceneView::new(
-            BvhView::new(nodes, triangles),
-            attributes,
-            materials,
-            texels,
-            params.path.offset_roundings,
-        ),
+        scene: SceneView::new(nodes, triangles, attributes, materials, texels, params.path.offset_roundings),
         lights: LightView::new(lights, params.path.lights),
         cache: LightCache::new(cache),
     };
@@ -107,7 +100,7 @@ impl EyeTracer<'_> {
             path.radiance += path.throughput * render.background;
             return false;
         }
-        let surface = Surface::at(&self.scene, &path.ray, &hit);
+        let surface = Surface::at(&self.scene.surfaces, &path.ray, &hit);
         let incoming = path.ray.direction;
         let arriving = cosine(surface.point.normal, incoming);
         path.subpath = path.subpath.arrive(hit.t, arriving);
@@ -164,7 +157,7 @@ impl EyeTracer<'_> {
         let weight = light_weight(&self.samples, &join, norm, light.pdf);
         let reflected = surface.material.reflectance * light.radiance * (join.to_light / light.pdf);
         // The light's rounding errors are those of what is near it, at least.
-        let end = light.point(self.scene.offset_roundings);
+        let end = light.point(self.scene.surfaces.offset_roundings);
         let end = SurfacePoint { magnitude: end.magnitude.max(surface.point.magnitude), ..end };
         self.add_unless_occluded(path, surface, direction, end.offset_towards(light.normal), reflected * weight);
     }
@@ -203,7 +196,7 @@ impl EyeTracer<'_> {
         let join = Join::new(distance2, cosine_here, eye_pdf, cosine_there, light_pdf);
         let weight = connection_weight(&self.samples, &join, norm, light.norm);
         let reflected = surface.material.reflectance * light.flux * (join.to_light * scale);
-        let end = light.point(self.scene.offset_roundings).offset_towards(-direction);
+        let end = light.point(self.scene.surfaces.offset_roundings).offset_towards(-direction);
         self.add_unless_occluded(path, surface, direction, end, reflected * weight);
     }
 

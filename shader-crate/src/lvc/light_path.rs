@@ -8,7 +8,6 @@ use super::LvcParams;
 use super::light_vertex::{LightVertex, ROWS_PER_VERTEX};
 use super::mis::{Subpath, TechniqueSamples, cosine, is_transmitted, lambert};
 use crate::access::Scatter;
-use crate::bvh::BvhView;
 use crate::glam::{UVec4, Vec3};
 use crate::light::{Light, LightView};
 use crate::material::{BsdfSample, DIFFUSE, Material};
@@ -34,8 +33,7 @@ pub fn trace_light_paths(
     count: &mut u32,
     scratch: &mut Scatter<'_, UVec4>,
 ) {
-    let scene =
-        SceneView::new(BvhView::new(nodes, triangles), attributes, materials, texels, params.path.offset_roundings);
+    let scene = SceneView::new(nodes, triangles, attributes, materials, texels, params.path.offset_roundings);
     let lights = LightView::new(lights, params.path.lights);
     let samples = params.samples();
     let numbers = random_numbers(params, lane);
@@ -47,7 +45,7 @@ pub fn trace_light_paths(
         if !hit.is_some() {
             break;
         }
-        let surface = Surface::at(&scene, &path.ray, &hit);
+        let surface = Surface::at(&scene.surfaces, &path.ray, &hit);
         path.arrive(&surface, hit.t);
         if surface.material.kind == DIFFUSE && surface.material.reflectance.max_element() > 0.0 {
             if params.vertices_per_path > 0 {
