@@ -228,14 +228,7 @@ impl Path {
             sample_bsdf(&surface, self.ray.direction, numbers.pair(of_vertex(vertex, BSDF)), unit_float(choice));
         self.throughput *= sample.weight;
         self.pdf = sample.pdf;
-        if self.depth >= params.roulette_depth {
-            let survival = survival(self.throughput);
-            if unit_float(roulette) >= survival {
-                return Bounce { light, goes_on: false };
-            }
-            self.throughput /= survival;
-        }
-        if self.throughput.max_element() <= 0.0 {
+        if !goes_on(params, self.depth, roulette, &mut self.throughput) {
             return Bounce { light, goes_on: false };
         }
         self.ray = Ray::new(surface.point.offset_towards(sample.direction), sample.direction);
@@ -300,10 +293,19 @@ impl Path {
     }
 }
 
-/// The chance to survive roulette of a path with this throughput.
+/// Whether a path goes on after segment number `segment`: not if nothing is left of its throughput, and from `roulette_depth` on by chance, decided by
+/// 32 `random` bits. One that survives stands for those that do not.
 #[inline(always)]
-pub fn survival(throughput: Vec3) -> f32 {
-    throughput.max_element().min(0.95)
+pub fn goes_on(params: &PathParams, segment: u32, random: u32, throughput: &mut Vec3) -> bool {
+    if segment >= params.roulette_depth {
+        let survival = throughput.max_element().min(0.95);
+        if unit_float(random) >= survival {
+            return false;
+        }
+        *throughput /= survival;
+    }
+    let is_spent = throughput.max_element() <= 0.0;
+    !is_spent
 }
 
 /// The direction in which a path goes on, from uniform numbers for the direction and for the lobe.

@@ -51,15 +51,18 @@ impl<'a> TriangleView<'a> {
 
     /// The triangle number `index`, in the order of the BVH, for shading.
     pub fn get(&self, index: u32) -> Triangle {
-        let first = self.rows.len() as u32 / 2 + index * ROWS;
-        Triangle::from_rows([at(self.rows, first), at(self.rows, first + 1), at(self.rows, first + 2)])
+        Triangle::from_rows(self.rows_from(self.rows.len() as u32 / 2 + index * ROWS))
     }
 
     /// The same triangle, for the test.
     #[inline(always)]
     pub fn planes(&self, index: u32) -> Planes {
-        let first = index * ROWS;
-        Planes { rows: [at(self.rows, first), at(self.rows, first + 1), at(self.rows, first + 2)] }
+        Planes { rows: self.rows_from(index * ROWS) }
+    }
+
+    #[inline(always)]
+    fn rows_from(&self, first: u32) -> [UVec4; ROWS as usize] {
+        [at(self.rows, first), at(self.rows, first + 1), at(self.rows, first + 2)]
     }
 }
 
@@ -123,8 +126,7 @@ impl Triangle {
     /// The point of barycentric coordinates `(u, v)`, moved towards the centroid by a few roundings: a point on an edge
     /// must not end up beyond the neighbour there, from where a ray would leave a closed room.
     fn interior_point(&self, u: f32, v: f32) -> Vec3 {
-        let size = self.edge1.abs().max(self.edge2.abs()).max_element();
-        let shift = (OFFSET_ROUNDINGS * UNIT_ROUNDOFF * self.magnitude() / size).min(1.0);
+        let shift = (OFFSET_ROUNDINGS * UNIT_ROUNDOFF * self.magnitude() / self.size()).min(1.0);
         let towards_centroid = |w: f32| w + (1.0 / 3.0 - w) * shift;
         self.corner + self.edge1 * towards_centroid(u) + self.edge2 * towards_centroid(v)
     }
@@ -139,8 +141,13 @@ impl Triangle {
         }
     }
 
+    /// The largest extent of an edge along an axis, in world units.
+    pub fn size(&self) -> f32 {
+        self.edge1.abs().max(self.edge2.abs()).max_element()
+    }
+
     /// The largest coordinate that enters a point: what its rounding error is relative to.
-    fn magnitude(&self) -> f32 {
+    pub fn magnitude(&self) -> f32 {
         (self.corner.abs() + self.edge1.abs() + self.edge2.abs()).max_element()
     }
 }

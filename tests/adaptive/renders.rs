@@ -1,5 +1,6 @@
 //! Adaptive renders of small scenes.
 
+use super::common::slow::SlowBatches;
 use super::common::{prepare, scenes, settings};
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{ExecError, Executor, Launch, Limits, kernels};
@@ -7,7 +8,6 @@ use raystream::film::Film;
 use raystream::render::{AllocatorKind, Budget, Estimator, Outcome, PreparedScene, Renderer, Sampling, Settings, run};
 use raystream::scene::FilmSize;
 use raystream_shaders::material::Material;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 /// Longest streams, in slots: ample for tiny pictures. By default a renderer clears memory for millions, which takes longer than to
@@ -17,15 +17,12 @@ const SLOTS: u64 = 1 << 15;
 /// A device with short streams, whose first batches can be slow: the next ones are then short.
 pub struct Small<'e, E> {
     inner: &'e E,
-    slow_batches: AtomicU32,
+    slow_batches: SlowBatches,
 }
-
-/// How long slow batches take at least: 2.5 times as long as batches should.
-const SLOW: Duration = Duration::from_millis(250);
 
 impl<'e, E: Executor> Small<'e, E> {
     pub fn new(inner: &'e E, slow_batches: u32) -> Self {
-        Self { inner, slow_batches: AtomicU32::new(slow_batches) }
+        Self { inner, slow_batches: SlowBatches::new(&kernels::trace_paths, slow_batches) }
     }
 }
 
@@ -50,12 +47,7 @@ impl<E: Executor> Executor for Small<'_, E> {
         self.inner.read(buffer, first_byte, bytes)
     }
     fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
-        let traces = parts.iter().copied().flatten().any(|launch| launch.kernel().name == kernels::trace_paths.name);
-        if traces
-            && self.slow_batches.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).is_ok()
-        {
-            std::thread::sleep(SLOW);
-        }
+        self.slow_batches.hold_up(parts);
         self.inner.run_parts(parts)
     }
 }

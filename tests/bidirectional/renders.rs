@@ -1,6 +1,7 @@
 //! Renders by `lvc`, and what must and must not change them.
 
 use super::common::scenes::{self, add_material, add_quad};
+use super::common::slow::SlowBatches;
 use super::common::{prepare, render, render_on, settings, with_gpu};
 use glam::{DVec3, Vec3};
 use raystream::exec::cpu::CpuExecutor;
@@ -11,7 +12,6 @@ use raystream::render::{
     run,
 };
 use raystream::scene::{FilmSize, Scene};
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 /// The scene's own settings, with this many light paths a round.
@@ -47,12 +47,12 @@ pub fn rounds<E: Executor>(
 /// The CPU with streams of at most `slots` slots, the first batches of which are so slow that the next are short.
 struct Hindered {
     slots: u64,
-    slow_batches: AtomicU32,
+    slow_batches: SlowBatches,
 }
 
 impl Hindered {
     fn new(slots: u64) -> Self {
-        Self { slots, slow_batches: AtomicU32::new(3) }
+        Self { slots, slow_batches: SlowBatches::new(&kernels::trace_eye_paths, 3) }
     }
 }
 
@@ -79,13 +79,7 @@ impl Executor for Hindered {
         CpuExecutor.read(buffer, first_byte, bytes)
     }
     fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
-        let traces =
-            parts.iter().copied().flatten().any(|launch| launch.kernel().name == kernels::trace_eye_paths.name);
-        let fewer = |left: u32| left.checked_sub(1);
-        if traces && self.slow_batches.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fewer).is_ok() {
-            // Twice as long as batches should.
-            std::thread::sleep(Duration::from_millis(200));
-        }
+        self.slow_batches.hold_up(parts);
         CpuExecutor.run_parts(parts)
     }
 }
@@ -116,7 +110,7 @@ fn a_render_is_repeatable() {
             renderer.film().unwrap()
         };
         let slow = Hindered::new(1 << 20);
-        let fast = Hindered { slow_batches: AtomicU32::new(0), ..Hindered::new(1 << 20) };
+        let fast = Hindered { slow_batches: SlowBatches::new(&kernels::trace_eye_paths, 0), ..Hindered::new(1 << 20) };
         assert_eq!(film(&slow), film(&fast), "{:?}", sampling.allocator);
     }
     let lengths = rounds(&CpuExecutor, &prepared, &lvc(&scene, 50), 2, 1);

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // every test file uses a part
 
 pub mod scenes;
+pub mod slow;
 pub mod statistics;
 
 use raystream::exec::Executor;

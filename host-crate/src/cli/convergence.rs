@@ -1,6 +1,6 @@
 //! `raystream bench convergence`
 
-use super::entries::{self, Entry, Loaded, each_once, parse_entry};
+use super::entries::{self, Entry, Loaded, parse_entry};
 use super::options::{DeviceArguments, SettingsArguments};
 use super::output::say;
 use super::progress::ProgressDisplay;
@@ -9,7 +9,7 @@ use super::{CliError, Ending};
 use crate::bench::convergence::{
     Configuration, Identity, Plan, REFERENCE_SEEDS, Reference, checkpoints, measure, write_scene,
 };
-use crate::bench::{About, Folder, SceneReport, value_name};
+use crate::bench::{About, Folder, SceneReport, each_once, value_name};
 use crate::exec::Executor;
 use crate::exec::device::Device;
 use crate::render::{AllocatorKind, Estimator, IntegratorKind, PreparedScene, Settings};
@@ -156,7 +156,7 @@ impl ConvergenceArguments {
 
     /// The integrators to measure, each once, at least one.
     fn integrators(&self) -> Vec<IntegratorKind> {
-        let integrators = each_once(&self.integrators);
+        let integrators = each_once(self.integrators.iter().copied());
         if integrators.is_empty() { vec![self.settings.integrator()] } else { integrators }
     }
 

@@ -89,17 +89,6 @@ pub fn facts(
     facts
 }
 
-/// The values in their order, each once.
-pub fn each_once<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
-    let mut once = Vec::new();
-    for &value in values {
-        if !once.contains(&value) {
-            once.push(value);
-        }
-    }
-    once
-}
-
 impl Entry {
     /// A name for folders and titles: `cornell_ball`, `cornell_ball@600x600`.
     fn label(&self) -> String {

@@ -1,11 +1,11 @@
 //! `raystream bench integrators`
 
-use super::entries::{self, Entry, Loaded, each_once, parse_entry};
+use super::entries::{self, Entry, Loaded, parse_entry};
 use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
 use super::output::say;
 use super::{CliError, Ending};
 use crate::bench::integrators::{GROUP, Plan, measure, write_scene};
-use crate::bench::{About, Folder, SceneReport};
+use crate::bench::{About, Folder, SceneReport, each_once};
 use crate::exec::Executor;
 use crate::exec::device::Device;
 use crate::render::IntegratorKind;
@@ -82,7 +82,7 @@ impl IntegratorsArguments {
             others.push(chosen);
         }
         others.insert(0, IntegratorKind::Megakernel);
-        each_once(&others)
+        each_once(others)
     }
 
     fn tell(&self, line: &str) {

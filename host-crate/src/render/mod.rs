@@ -7,6 +7,7 @@ pub mod allocator;
 mod batch;
 mod bvh;
 mod camera;
+mod counter;
 pub mod estimation;
 mod estimation_settings;
 mod features;

@@ -19,9 +19,8 @@ const ENLARGED: f64 = 8.0;
 fn planes(triangle: &Triangle) -> [UVec4; 3] {
     let [corner, edge1, edge2] =
         [triangle.corner, triangle.edge1, triangle.edge2].map(|vector: Vec3| vector.as_dvec3());
-    let magnitude = (corner.abs() + edge1.abs() + edge2.abs()).max_element();
-    let size = edge1.abs().max(edge2.abs()).max_element();
-    let scale = 1.0 + ENLARGED * f64::from(UNIT_ROUNDOFF) * magnitude / size;
+    let scale =
+        1.0 + ENLARGED * f64::from(UNIT_ROUNDOFF) * f64::from(triangle.magnitude()) / f64::from(triangle.size());
     let centroid = corner + (edge1 + edge2) / 3.0;
     let corner = centroid + (corner - centroid) * scale;
     let normal = edge1.cross(edge2);

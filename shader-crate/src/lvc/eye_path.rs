@@ -13,7 +13,7 @@ use crate::glam::{UVec4, Vec3};
 use crate::light::{Light, LightView, area_pdf};
 use crate::material::{DIFFUSE, Material, diffuse_pdf};
 use crate::math::is_finite_vector;
-use crate::path::{camera_ray, contribution, numbers_of, sample_bsdf, survival};
+use crate::path::{camera_ray, contribution, goes_on, numbers_of, sample_bsdf};
 use crate::ray::{Ray, SurfacePoint};
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream, of_vertex, unit_float};
 use crate::scene::SceneView;
@@ -127,14 +127,7 @@ impl EyeTracer<'_> {
         let sample = sample_bsdf(&surface, incoming, numbers.pair(of_vertex(vertex, BSDF)), unit_float(choice));
         path.throughput *= sample.weight;
         path.subpath = path.subpath.scatter(&surface, incoming, &sample, self.samples.connection);
-        if depth >= render.roulette_depth {
-            let survival = survival(path.throughput);
-            if unit_float(roulette) >= survival {
-                return false;
-            }
-            path.throughput /= survival;
-        }
-        if path.throughput.max_element() <= 0.0 {
+        if !goes_on(render, depth, roulette, &mut path.throughput) {
             return false;
         }
         path.ray = Ray::new(surface.point.offset_towards(sample.direction), sample.direction);

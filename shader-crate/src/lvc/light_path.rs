@@ -12,7 +12,7 @@ use crate::glam::{UVec4, Vec3};
 use crate::light::{Light, LightView};
 use crate::material::{BsdfSample, DIFFUSE, Material};
 use crate::math::sample_cosine_hemisphere;
-use crate::path::{sample_bsdf, survival};
+use crate::path::{goes_on, sample_bsdf};
 use crate::ray::Ray;
 use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream, hash, of_vertex, unit_float};
 use crate::scene::SceneView;
@@ -125,14 +125,7 @@ impl LightPath {
         let sample = sample_bsdf(surface, incoming, numbers.pair(of_vertex(segment, BSDF)), unit_float(choice));
         self.throughput *= adjoint_weight(surface, incoming, &sample);
         self.subpath = self.subpath.scatter(surface, incoming, &sample, samples.of(segment));
-        if segment >= params.path.roulette_depth {
-            let survival = survival(self.throughput);
-            if unit_float(roulette) >= survival {
-                return false;
-            }
-            self.throughput /= survival;
-        }
-        if self.throughput.max_element() <= 0.0 {
+        if !goes_on(&params.path, segment, roulette, &mut self.throughput) {
             return false;
         }
         self.ray = Ray::new(surface.point.offset_towards(sample.direction), sample.direction);

@@ -1,6 +1,6 @@
 //! What is measured against what: integrator, allocator, estimator, and the error's measure.
 
-use crate::bench::value_name;
+use crate::bench::{each_once, value_name};
 use crate::render::{AllocatorKind, Estimator, IntegratorKind, Sampling, Settings};
 
 /// One way to spend samples, and who computes them.
@@ -36,21 +36,11 @@ impl Configuration {
             .flat_map(|&allocator| estimators.iter().map(move |&estimator| (allocator, estimator)))
             .flat_map(|way| relative.iter().map(move |&relative| (way, relative)))
             .collect();
-        let mut all = Vec::new();
-        for &integrator in integrators {
-            let adaptive = ways.iter().map(|&((allocator, estimator), relative)| Self {
-                integrator,
-                allocator,
-                estimator,
-                relative,
-            });
-            for configuration in std::iter::once(Self::uniform(integrator)).chain(adaptive) {
-                if !all.contains(&configuration) {
-                    all.push(configuration);
-                }
-            }
-        }
-        all
+        each_once(integrators.iter().flat_map(|&integrator| {
+            let with =
+                move |&((allocator, estimator), relative): &_| Self { integrator, allocator, estimator, relative };
+            std::iter::once(Self::uniform(integrator)).chain(ways.iter().map(with))
+        }))
     }
 
     /// Whether this is uniform sampling, which asks no estimator.

@@ -28,7 +28,7 @@ pub use reference::{REFERENCE_SEEDS, Reference};
 pub use report::write_scene;
 pub use rounds::{Breakdown, Rate, Round, UniformRates};
 
-use super::{BenchError, KEEP_WARM, WARM_UP, warm_up};
+use super::{BenchError, KEEP_WARM, WARM_UP, each_once, warm_up};
 use crate::exec::Executor;
 use crate::render::{IntegratorKind, PreparedScene, Renderer, Sampling, Settings};
 use check::{Deviation, Spread, mean_difference};
@@ -60,13 +60,7 @@ impl Plan {
 
     /// The integrators, each once.
     fn integrators(&self) -> Vec<IntegratorKind> {
-        let mut integrators = Vec::new();
-        for configuration in &self.configurations {
-            if !integrators.contains(&configuration.integrator) {
-                integrators.push(configuration.integrator);
-            }
-        }
-        integrators
+        each_once(self.configurations.iter().map(|configuration| configuration.integrator))
     }
 }
 

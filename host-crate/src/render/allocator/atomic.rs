@@ -3,6 +3,7 @@
 use super::runs::{RunTable, Weights};
 use super::{Allocator, RoundBuffers, Stream, one_stream};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::render::counter::Counter;
 use crate::render::film::FilmBuffers;
 use raystream_shaders::atomic::STRETCH;
 use raystream_shaders::stream::RunWindow;
@@ -15,7 +16,7 @@ pub struct Atomic<B> {
     table: RunTable<B>,
     /// The first slot that each pixel has reserved.
     reserved: Array<B, u32>,
-    counter: Array<B, u32>,
+    counter: Counter<B>,
 }
 
 impl<B> Atomic<B> {
@@ -24,7 +25,7 @@ impl<B> Atomic<B> {
         Ok(Self {
             table: RunTable::new(executor, pixels)?,
             reserved: Array::zeroed(executor, "the slots that pixels reserve", pixels as usize)?,
-            counter: Array::zeroed(executor, "the counter of slots", 1)?,
+            counter: Counter::new(executor, "the counter of slots")?,
         })
     }
 }
@@ -37,8 +38,7 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
     fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
         let as_they_are = Weights { uniform: 0, largest: u32::MAX };
         let mut launches = self.table.fill(buffers.errors, stream.slots, as_they_are, HALF);
-        let one = RunWindow { threads: 1, first_rank: 0, pixels: 0, samples: 0 };
-        launches.push(Launch::new(&kernels::clear_counter, &one, vec![self.counter.view()]));
+        launches.push(self.counter.clear());
         for band in buffers.film.bands() {
             let pixels = band.film.len() as u32;
             let window = RunWindow { threads: pixels, first_rank: band.first_rank, pixels, samples: 0 };

@@ -1,10 +1,10 @@
 //! The integrator `regeneration`: threads take slot after slot.
 
 use super::{Integrator, StreamBuffers};
-use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::exec::{ExecError, Executor, Launch, kernels};
+use crate::render::counter::Counter;
 use raystream_shaders::path::PathParams;
 use raystream_shaders::regeneration::SEGMENTS;
-use raystream_shaders::stream::RunWindow;
 use std::ops::Range;
 
 /// More threads than any device holds at once. Those that start late find no slot left.
@@ -19,13 +19,13 @@ fn threads(slots: u32, max_depth: u32) -> u32 {
 /// See the [module](self).
 pub struct Regeneration<B> {
     /// How many slots of the part have been taken.
-    taken: Array<B, u32>,
+    taken: Counter<B>,
 }
 
 impl<B> Regeneration<B> {
     /// A new one.
     pub fn new<E: Executor<Buffer = B>>(executor: &E) -> Result<Self, ExecError> {
-        Ok(Self { taken: Array::zeroed(executor, "a counter of slots", 1)? })
+        Ok(Self { taken: Counter::new(executor, "a counter of slots")? })
     }
 }
 
@@ -34,9 +34,8 @@ impl<E: Executor> Integrator<E> for Regeneration<E::Buffer> {
         let slots = part.start as usize..part.end as usize;
         let threads = threads(part.end - part.start, stream.parameters.max_depth);
         let scene = stream.scene;
-        let one = RunWindow { threads: 1, first_rank: 0, pixels: 0, samples: 0 };
         vec![
-            Launch::new(&kernels::clear_counter, &one, vec![self.taken.view()]),
+            self.taken.clear(),
             Launch::new(
                 &kernels::regenerate_paths,
                 &PathParams { threads, ..*stream.parameters },
