@@ -1,4 +1,5 @@
-//! Whole renders that spend their samples adaptively: what becomes of the mean, of budgets, of thresholds, and whether it is worth it.
+//! Whole renders that spend their samples adaptively: what becomes of the mean, of budgets, of
+//! thresholds, and whether it is worth it.
 
 mod common;
 

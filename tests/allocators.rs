@@ -1,4 +1,5 @@
-//! Allocators: budgets, proportions, strange errors, and films that are sequential sums, bit for bit, on both processors.
+//! Allocators: budgets, proportions, strange errors, and films that are sequential sums, bit for
+//! bit, on both processors.
 
 mod common;
 
@@ -12,9 +13,9 @@ use raystream::render::AllocatorKind::{self, Atomic, Paper, Runs, Uniform};
 use raystream::render::allocator::{Allocator, RoundBuffers, create, paper};
 use raystream::render::film::FilmBuffers;
 use raystream::scene::FilmSize;
+use raystream_shaders::film::stream::{NO_PIXEL, Slot};
 use raystream_shaders::film::{Contribution, FilmPixel};
-use raystream_shaders::sampler::{hash, unit_float};
-use raystream_shaders::stream::{NO_PIXEL, Slot};
+use raystream_shaders::math::random::{hash, unit_float};
 use std::time::Duration;
 
 const ADAPTIVE: [AllocatorKind; 3] = [Paper, Atomic, Runs];
@@ -59,7 +60,8 @@ impl Round {
         (0..self.slots)
             .map(|slot| {
                 let word = |k: u32| hash(slot * 8 + k);
-                // Of any size and sign, so that every sum rounds; or whole numbers, whose sums are exact in any order.
+                // Of any size and sign, so that every sum rounds; or whole numbers, whose sums are
+                // exact in any order.
                 let number = |k: u32| {
                     if exact {
                         (word(k) % 1000) as f32
@@ -68,7 +70,12 @@ impl Round {
                     }
                 };
                 let vector = |k| Vec3::new(number(k), number(k + 1), number(k + 2));
-                Contribution { radiance: vector(0), rays: word(6) >> 20, squared: vector(3), pad: 0 }
+                Contribution {
+                    radiance: vector(0),
+                    rays: word(6) >> 20,
+                    squared: vector(3),
+                    pad: 0,
+                }
             })
             .collect()
     }
@@ -76,7 +83,11 @@ impl Round {
     fn film_before(&self) -> Vec<FilmPixel> {
         self.counts_before()
             .into_iter()
-            .map(|samples| FilmPixel { samples, sum: Vec3::splat(samples as f32), ..FilmPixel::zeroed() })
+            .map(|samples| FilmPixel {
+                samples,
+                sum: Vec3::splat(samples as f32),
+                ..FilmPixel::zeroed()
+            })
             .collect()
     }
 
@@ -85,17 +96,29 @@ impl Round {
         self.make_with(executor, allocator.as_ref(), exact)
     }
 
-    fn make_with<E: Executor>(&self, executor: &E, allocator: &dyn Allocator<E>, exact: bool) -> Made {
+    fn make_with<E: Executor>(
+        &self,
+        executor: &E,
+        allocator: &dyn Allocator<E>,
+        exact: bool,
+    ) -> Made {
         let film = FilmBuffers::new(executor, self.size).unwrap();
         let before = self.film_before();
         for band in film.bands() {
-            band.film.write(executor, &before[band.first_rank as usize..][..band.film.len()]).unwrap();
+            band.film
+                .write(executor, &before[band.first_rank as usize..][..band.film.len()])
+                .unwrap();
         }
         let errors = Array::from_slice(executor, "errors", &self.errors).unwrap();
         // Old slots are lying about.
-        let slots =
-            Array::from_slice(executor, "slots", &vec![Slot { rank: 3, sample: 9 }; self.slots as usize]).unwrap();
-        let contributions = Array::from_slice(executor, "contributions", &self.contributions(exact)).unwrap();
+        let slots = Array::from_slice(
+            executor,
+            "slots",
+            &vec![Slot { rank: 3, sample: 9 }; self.slots as usize],
+        )
+        .unwrap();
+        let contributions =
+            Array::from_slice(executor, "contributions", &self.contributions(exact)).unwrap();
         let buffers = RoundBuffers {
             film: &film,
             errors: &errors,
@@ -155,7 +178,13 @@ impl Round {
 /// Errors over many orders of magnitude, some of them 0.
 fn wild_errors(pixels: u32) -> Vec<f32> {
     (0..pixels)
-        .map(|p| if hash(p ^ 77).is_multiple_of(9) { 0.0 } else { f32::exp2((hash(p) % 40) as f32 - 30.0) })
+        .map(|p| {
+            if hash(p ^ 77).is_multiple_of(9) {
+                0.0
+            } else {
+                f32::exp2((hash(p) % 40) as f32 - 30.0)
+            }
+        })
         .collect()
 }
 
@@ -202,14 +231,19 @@ fn budgets_are_met_and_films_are_sequential_sums() {
 
 #[test]
 fn films_are_sequential_sums_however_far_apart_runs_are() {
-    // Pixels that have not converged: runs of a thousand slots, and two of a few with all the picture between them.
+    // Pixels that have not converged: runs of a thousand slots, and two of a few with all the
+    // picture between them.
     for (live, budget) in [(3000, 9600), (27_999, 9600), (27_999, 100), (1100, 300)] {
-        let errors = (0..28_000).map(|pixel| if pixel % live == 0 { 1.0 + (pixel % 7) as f32 } else { -1.0 }).collect();
+        let errors = (0..28_000)
+            .map(|pixel| if pixel % live == 0 { 1.0 + (pixel % 7) as f32 } else { -1.0 })
+            .collect();
         let round = Round::new(errors, budget);
         let cpu = round.make(&CpuExecutor, Runs, false);
         round.assert_sound(&cpu, "far apart");
         assert_same_bytes(&cpu.film, &round.sequential_film(&cpu, false), "far apart");
-        with_gpu(|gpu| assert_same_bytes(&round.make(gpu, Runs, false).film, &cpu.film, "far apart"));
+        with_gpu(|gpu| {
+            assert_same_bytes(&round.make(gpu, Runs, false).film, &cpu.film, "far apart")
+        });
     }
 }
 
@@ -217,7 +251,10 @@ fn films_are_sequential_sums_however_far_apart_runs_are() {
 fn neighbours_in_a_stream_of_runs_are_neighbours_in_the_picture() {
     let round = Round::new(wild_errors(1200), 3000);
     let made = round.make(&CpuExecutor, Runs, false);
-    assert!(made.slots.is_sorted_by_key(|slot| (slot.rank, slot.sample)), "runs follow each other in rank order");
+    assert!(
+        made.slots.is_sorted_by_key(|slot| (slot.rank, slot.sample)),
+        "runs follow each other in rank order"
+    );
 }
 
 #[test]
@@ -228,19 +265,30 @@ fn no_pixel_is_twice_in_a_stream_of_the_paper() {
     let streams = allocator.states(&CpuExecutor).unwrap();
     let taken: u32 = streams.iter().map(|stream| stream.taken).sum();
     assert_eq!(taken, made.filled);
-    assert!(streams.iter().filter(|stream| stream.taken > 0).count() > 3, "several streams were kept");
-    assert!(streams.iter().any(|stream| stream.wanted > 0 && stream.taken == 0), "one that was too long was dropped");
+    assert!(
+        streams.iter().filter(|stream| stream.taken > 0).count() > 3,
+        "several streams were kept"
+    );
+    assert!(
+        streams.iter().any(|stream| stream.wanted > 0 && stream.taken == 0),
+        "one that was too long was dropped"
+    );
     for stream in streams.iter().filter(|stream| stream.taken > 0) {
         let slots = &made.slots[stream.filled as usize..][..stream.taken as usize];
-        assert!(slots.is_sorted_by(|a, b| a.rank < b.rank), "strictly ascending ranks: no pixel twice");
+        assert!(
+            slots.is_sorted_by(|a, b| a.rank < b.rank),
+            "strictly ascending ranks: no pixel twice"
+        );
     }
 }
 
-/// Over all 256 phases a pixel gets exactly its weight, which is its share of the errors and of the uniform part, rounded to 1/256 of a sample.
+/// Over all 256 phases a pixel gets exactly its weight, which is its share of the errors and of the
+/// uniform part, rounded to 1/256 of a sample.
 #[test]
 fn runs_are_proportional_to_errors() {
     let pixels = 800;
-    let errors: Vec<f32> = (0..pixels).map(|p| unit_float(hash(p)) * unit_float(hash(p ^ 99)) * 1e-4).collect();
+    let errors: Vec<f32> =
+        (0..pixels).map(|p| unit_float(hash(p)) * unit_float(hash(p ^ 99)) * 1e-4).collect();
     let budget = 500;
     let round = Round::new(errors.clone(), budget);
     let mut totals = vec![0_u32; pixels as usize];
@@ -252,7 +300,10 @@ fn runs_are_proportional_to_errors() {
     for (pixel, (&total, &error)) in totals.iter().zip(&errors).enumerate() {
         let share = 0.9 * f64::from(error) / sum + 0.1 / f64::from(pixels);
         let expected = share * f64::from(budget) * 256.0;
-        assert!((f64::from(total) - expected).abs() <= 2.0, "pixel {pixel}: {total}/256 samples, not {expected:.2}");
+        assert!(
+            (f64::from(total) - expected).abs() <= 2.0,
+            "pixel {pixel}: {total}/256 samples, not {expected:.2}"
+        );
     }
 }
 
@@ -276,7 +327,8 @@ fn expected_samples_are_proportional_to_errors() {
         let expected: Vec<f64> = errors
             .iter()
             .map(|&error| {
-                let share = (1.0 - uniform_share) * f64::from(error) / sum + uniform_share / f64::from(pixels);
+                let share = (1.0 - uniform_share) * f64::from(error) / sum
+                    + uniform_share / f64::from(pixels);
                 share * f64::from(budget * rounds)
             })
             .collect();
@@ -287,23 +339,27 @@ fn expected_samples_are_proportional_to_errors() {
     let counts = round.counts(&round.make(&CpuExecutor, Atomic, false));
     for (&count, &error) in counts.iter().zip(&errors) {
         let expected = f64::from(error) / sum * 5000.0;
-        assert!((f64::from(count) - expected).abs() < 1.0 + 1e-3, "{count} samples, not {expected}");
+        assert!(
+            (f64::from(count) - expected).abs() < 1.0 + 1e-3,
+            "{count} samples, not {expected}"
+        );
     }
 }
 
 #[test]
 fn strange_errors_behave() {
     let pixels = 1200_usize;
-    let on_both = |round: &Round, kind: AllocatorKind, what: &str, check: &dyn Fn(&Made, &[u32])| {
-        let cpu = round.make(&CpuExecutor, kind, true);
-        round.assert_sound(&cpu, what);
-        check(&cpu, &round.counts(&cpu));
-        with_gpu(|gpu| {
-            let gpu = round.make(gpu, kind, true);
-            round.assert_sound(&gpu, what);
-            assert_eq!(round.counts(&gpu), round.counts(&cpu), "{what}");
-        });
-    };
+    let on_both =
+        |round: &Round, kind: AllocatorKind, what: &str, check: &dyn Fn(&Made, &[u32])| {
+            let cpu = round.make(&CpuExecutor, kind, true);
+            round.assert_sound(&cpu, what);
+            check(&cpu, &round.counts(&cpu));
+            with_gpu(|gpu| {
+                let gpu = round.make(gpu, kind, true);
+                round.assert_sound(&gpu, what);
+                assert_eq!(round.counts(&gpu), round.counts(&cpu), "{what}");
+            });
+        };
     for kind in ADAPTIVE {
         // Nothing known: all alike.
         let round = Round::new(vec![0.0; pixels], 3000);
@@ -322,23 +378,32 @@ fn strange_errors_behave() {
         errors[321] = 1e-20;
         let round = Round::new(errors, 3000);
         on_both(&round, kind, &format!("{kind:?}, one error"), &|made, counts| match kind {
-            // A pixel is in every stream at most once, all others are in the last one alone; the rest stays empty.
+            // A pixel is in every stream at most once, all others are in the last one alone; the
+            // rest stays empty.
             Paper => {
                 assert!((2..=34).contains(&counts[321]), "{}", counts[321]);
                 assert_eq!(made.filled, 1199 + counts[321]);
             }
             Atomic => assert_eq!(counts[321], 3000),
-            // Its error weighs as much as 16 average ones would, the uniform share as much as a ninth of all errors.
+            // Its error weighs as much as 16 average ones would, the uniform share as much as a
+            // ninth of all errors.
             _ => {
                 assert_eq!(made.filled, 3000);
                 let share = 16.0 / (16.0 + 1200.0 / 9.0);
                 let expected = 3000.0 * (share + (1.0 - share) / 1200.0);
-                assert!((f64::from(counts[321]) - expected).abs() <= 1.5, "{} samples, not {expected}", counts[321]);
+                assert!(
+                    (f64::from(counts[321]) - expected).abs() <= 1.5,
+                    "{} samples, not {expected}",
+                    counts[321]
+                );
             }
         });
-        // What is not finite counts as 0, what has converged gets nothing, the others do not notice.
+        // What is not finite counts as 0, what has converged gets nothing, the others do not
+        // notice.
         let mut errors = wild_errors(pixels as u32);
-        for (pixel, error) in [(5, f32::NAN), (600, f32::INFINITY), (700, -f32::NAN), (1199, f32::NEG_INFINITY)] {
+        for (pixel, error) in
+            [(5, f32::NAN), (600, f32::INFINITY), (700, -f32::NAN), (1199, f32::NEG_INFINITY)]
+        {
             errors[pixel] = error;
         }
         errors[100..200].fill(-1.0);
@@ -350,11 +415,20 @@ fn strange_errors_behave() {
             assert!(counts[5] <= 1 && counts[600] <= 1, "{kind:?}: {} {}", counts[5], counts[600]);
         });
         // The largest and smallest numbers there are.
-        let extreme = (0..pixels).map(|p| [f32::MAX, f32::MIN_POSITIVE, 1e-45, 1.0][p % 4]).collect();
-        on_both(&Round::new(extreme, 2400), kind, &format!("{kind:?}, extreme errors"), &|made, counts| {
-            assert_eq!(made.filled, 2400, "{kind:?}");
-            assert!(counts.iter().step_by(4).sum::<u32>() >= 2100, "{kind:?}: the largest errors get nearly all");
-        });
+        let extreme =
+            (0..pixels).map(|p| [f32::MAX, f32::MIN_POSITIVE, 1e-45, 1.0][p % 4]).collect();
+        on_both(
+            &Round::new(extreme, 2400),
+            kind,
+            &format!("{kind:?}, extreme errors"),
+            &|made, counts| {
+                assert_eq!(made.filled, 2400, "{kind:?}");
+                assert!(
+                    counts.iter().step_by(4).sum::<u32>() >= 2100,
+                    "{kind:?}: the largest errors get nearly all"
+                );
+            },
+        );
         drop(tame);
     }
 }

@@ -5,8 +5,8 @@ mod common;
 use common::with_gpu;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor, Launch, kernels};
-use raystream_shaders::prefix::BlockParams;
-use raystream_shaders::sampler::hash;
+use raystream_shaders::math::random::hash;
+use raystream_shaders::parallel::prefix::BlockParams;
 
 /// Lengths around those of a workgroup and of a block, two large ones, and the empty stream.
 const LENGTHS: [u32; 10] = [0, 1, 27, 64, 255, 256, 257, 2049, 231_917, 1_088_921];
@@ -17,13 +17,18 @@ fn compact<E: Executor>(executor: &E, keep: &[u32]) -> Vec<u32> {
     let len = keep.len() as u32;
     let per_block = BlockParams::per_block(len);
     let keep = Array::from_slice(executor, "flags", keep).unwrap();
-    let sums: Array<_, u32> = Array::zeroed(executor, "sums", per_block.blocks as usize + 1).unwrap();
+    let sums: Array<_, u32> =
+        Array::zeroed(executor, "sums", per_block.blocks as usize + 1).unwrap();
     let kept: Array<_, u32> = Array::zeroed(executor, "kept", len as usize).unwrap();
     executor
         .run(&[
             Launch::new(&kernels::sum_blocks, &per_block, vec![keep.view(), sums.view()]),
             Launch::new(&kernels::scan_blocks, &BlockParams::one_workgroup(len), vec![sums.view()]),
-            Launch::new(&kernels::scatter_kept, &per_block, vec![keep.view(), sums.view(), kept.view()]),
+            Launch::new(
+                &kernels::scatter_kept,
+                &per_block,
+                vec![keep.view(), sums.view(), kept.view()],
+            ),
         ])
         .unwrap();
     let count = sums.read(executor).unwrap()[per_block.blocks as usize];

@@ -1,5 +1,5 @@
-//! Integrators: the contribution of every slot is that of the megakernel, bit for bit on the CPU, whatever the stream and the pool; on the GPU as
-//! far as its compiler treats two kernels alike.
+//! Integrators: the contribution of every slot is that of the megakernel, bit for bit on the CPU,
+//! whatever the stream and the pool; on the GPU as far as its compiler treats two kernels alike.
 
 mod common;
 

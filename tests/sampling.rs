@@ -1,7 +1,8 @@
 //! Everything that is drawn at random, against the density that it claims.
 //!
-//! Chi-square tests reject what is farther from its density than chance takes independent numbers. Sobol points of one pixel lie closer than
-//! that, so for them the same limit says that they are no worse.
+//! Chi-square tests reject what is farther from its density than chance takes independent numbers.
+//! Sobol points of one pixel lie closer than that, so for them the same limit says that they are no
+//! worse.
 
 mod common;
 

@@ -5,9 +5,9 @@ mod scene_folder;
 
 use glam::Vec3;
 use raystream::scene::{FilmSize, PathLimits, Scene, embedded, load, load_named};
-use raystream_shaders::material::{DIELECTRIC, DIFFUSE, MIRROR};
-use raystream_shaders::texture::NO_TEXTURE;
-use raystream_shaders::triangle::NO_ATTRIBUTES;
+use raystream_shaders::scene::bsdf::{DIELECTRIC, DIFFUSE, MIRROR};
+use raystream_shaders::scene::texture::NO_TEXTURE;
+use raystream_shaders::scene::triangle::NO_ATTRIBUTES;
 use scene_folder::{MTL, SceneFolder};
 use serde_json::json;
 use std::io::Write as _;
@@ -76,14 +76,19 @@ fn the_large_scenes() {
         let path: PathBuf = folder.join(name).join(name).with_extension("json");
         if !path.exists() {
             // Not eprintln: the test harness hides that when the test passes.
-            let notice = format!("NOT TESTED: the scene {name}, because {} is not there\n", path.display());
+            let notice =
+                format!("NOT TESTED: the scene {name}, because {} is not there\n", path.display());
             std::io::stderr().write_all(notice.as_bytes()).unwrap();
             continue;
         }
         let scene = load(&path).unwrap();
         assert_eq!(scene.triangles.len(), triangles, "{name}");
         let with_texture = |material: u32| scene.materials[material as usize].texture != NO_TEXTURE;
-        assert_eq!(scene.triangles.iter().filter(|t| with_texture(t.material)).count(), textured, "{name}");
+        assert_eq!(
+            scene.triangles.iter().filter(|t| with_texture(t.material)).count(),
+            textured,
+            "{name}"
+        );
     }
 }
 
@@ -98,10 +103,16 @@ fn material_rules() {
                newmtl glass\nillum 7\nNi 1.33\nnewmtl grey\nKd .25\nnewmtl replaced\nKe 1 1 1\n";
     let rule = json!({"type": "emissive", "radiance": [1, 2, 3]});
     let scene = loaded(
-        &folder.with("a.obj", obj).with("a.mtl", mtl).json(|scene| scene["materials"] = json!({"replaced": rule})),
+        &folder
+            .with("a.obj", obj)
+            .with("a.mtl", mtl)
+            .json(|scene| scene["materials"] = json!({"replaced": rule})),
     );
     let m = &scene.materials;
-    assert_eq!((m[0].kind, m[0].emission, m[0].reflectance), (DIFFUSE, Vec3::Y * 5.0, Vec3::new(0.1, 0.2, 0.3)));
+    assert_eq!(
+        (m[0].kind, m[0].emission, m[0].reflectance),
+        (DIFFUSE, Vec3::Y * 5.0, Vec3::new(0.1, 0.2, 0.3))
+    );
     assert_eq!((m[1].kind, m[1].reflectance), (MIRROR, Vec3::new(0.9, 0.8, 0.7)));
     assert_eq!((m[2].kind, m[2].ior, m[2].transmittance), (DIELECTRIC, 1.33, Vec3::ONE));
     assert_eq!((m[3].kind, m[3].reflectance), (DIFFUSE, Vec3::splat(0.25)));
@@ -117,14 +128,24 @@ fn overrides_match_without_any_mtl() {
     let folder = SceneFolder::new().without("a.mtl").json(|scene| scene["materials"] = rule);
     let scene = loaded(&folder);
     assert_eq!(scene.triangles.len(), 1 + 2);
-    assert_eq!((scene.materials[0].kind, scene.materials[0].reflectance), (MIRROR, Vec3::new(1.0, 0.5, 0.0)));
-    assert!(scene.warnings.iter().any(|w| w.contains("a.obj") && w.contains("`a.mtl`")), "{:?}", scene.warnings);
+    assert_eq!(
+        (scene.materials[0].kind, scene.materials[0].reflectance),
+        (MIRROR, Vec3::new(1.0, 0.5, 0.0))
+    );
+    assert!(
+        scene.warnings.iter().any(|w| w.contains("a.obj") && w.contains("`a.mtl`")),
+        "{:?}",
+        scene.warnings
+    );
 }
 
 #[test]
 fn textures_of_json_and_mtl() {
-    let folder = SceneFolder::new().with("a.mtl", format!("{MTL}map_Kd -s 1 1 1 My Wall.PNG\nmap_Kd my wall.png"));
-    image::RgbImage::from_pixel(2, 1, image::Rgb([255, 0, 0])).save(folder.path("My Wall.png")).unwrap();
+    let folder = SceneFolder::new()
+        .with("a.mtl", format!("{MTL}map_Kd -s 1 1 1 My Wall.PNG\nmap_Kd my wall.png"));
+    image::RgbImage::from_pixel(2, 1, image::Rgb([255, 0, 0]))
+        .save(folder.path("My Wall.png"))
+        .unwrap();
     let scene = loaded(&folder);
     assert_eq!(scene.warnings, [""; 0]);
     let texture = scene.materials[1].texture as usize;
@@ -136,14 +157,19 @@ fn textures_of_json_and_mtl() {
     let missing = SceneFolder::new().with("a.mtl", format!("{MTL}map_Kd gone.png"));
     let scene = loaded(&missing);
     assert_eq!((scene.materials[1].texture, scene.materials[1].reflectance), (NO_TEXTURE, Vec3::X));
-    assert!(scene.warnings[0].contains("a.mtl") && scene.warnings[0].contains("gone.png"), "{:?}", scene.warnings);
+    assert!(
+        scene.warnings[0].contains("a.mtl") && scene.warnings[0].contains("gone.png"),
+        "{:?}",
+        scene.warnings
+    );
 }
 
 #[test]
 fn smooth_normals_need_one_at_every_corner_of_the_material() {
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 5\nvn 0 0 0\n\
                usemtl plain\nf 1//1 2//2 3//1\nusemtl red wall\nf 1//1 2//1 3//1\nf 1//1 2 3//1\n";
-    let folder = SceneFolder::new().with("a.obj", obj).json(|scene| scene["normals"] = json!("smooth"));
+    let folder =
+        SceneFolder::new().with("a.obj", obj).json(|scene| scene["normals"] = json!("smooth"));
     let scene = loaded(&folder);
     assert_eq!(scene.attributes.len(), 1);
     assert_eq!(scene.triangles[0].attributes, 0);
@@ -157,10 +183,18 @@ fn triangles_that_are_dropped_are_counted() {
     let folder = SceneFolder::new().with("a.obj", obj);
     let scene = loaded(&folder);
     assert_eq!(scene.triangles.len(), 2 + 2);
-    assert!(scene.warnings.iter().any(|w| w.contains("2 triangles without area")), "{:?}", scene.warnings);
+    assert!(
+        scene.warnings.iter().any(|w| w.contains("2 triangles without area")),
+        "{:?}",
+        scene.warnings
+    );
     let scene = loaded(&folder.json(|scene| scene["dedupe"] = json!(true)));
     assert_eq!(scene.triangles.len(), 1 + 2);
-    assert!(scene.warnings.iter().any(|w| w.contains("1 triangles with the corners")), "{:?}", scene.warnings);
+    assert!(
+        scene.warnings.iter().any(|w| w.contains("1 triangles with the corners")),
+        "{:?}",
+        scene.warnings
+    );
 }
 
 #[test]
@@ -183,7 +217,11 @@ fn quads_face_the_side_of_the_cross_product() {
 #[test]
 fn a_scene_without_light_is_warned_of() {
     let scene = loaded(&SceneFolder::new().json(|scene| scene["quads"] = json!([])));
-    assert!(scene.warnings.iter().any(|w| w.contains("nothing emits light")), "{:?}", scene.warnings);
+    assert!(
+        scene.warnings.iter().any(|w| w.contains("nothing emits light")),
+        "{:?}",
+        scene.warnings
+    );
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! The estimators against each other and against what is known exactly. No golden pictures: every test has a truth of its own and a stated
-//! confidence.
+//! The estimators against each other and against what is known exactly. No golden pictures: every
+//! test has a truth of its own and a stated confidence.
 
 mod common;
 
@@ -9,7 +9,7 @@ use common::{prepare, render, settings};
 use glam::Vec3;
 use raystream::render::{Settings, Techniques};
 use raystream::scene::{FilmSize, Scene};
-use raystream_shaders::material::Material;
+use raystream_shaders::scene::bsdf::Material;
 
 /// The materials that a furnace must not change: they absorb nothing.
 fn white_materials() -> [(&'static str, Material); 4] {
@@ -27,7 +27,12 @@ fn furnace(material: Material) -> (Scene, Settings) {
     let material = add_material(&mut scene, material);
     add_ball(&mut scene, Vec3::new(-0.8, 0.0, 0.0), 0.8, 3, material);
     add_ball(&mut scene, Vec3::new(0.7, 0.1, 0.3), 0.6, 2, material);
-    let settings = Settings { max_depth: 1000, roulette_depth: 2000, background: Vec3::ONE, ..settings(&scene) };
+    let settings = Settings {
+        max_depth: 1000,
+        roulette_depth: 2000,
+        background: Vec3::ONE,
+        ..settings(&scene)
+    };
     (scene, settings)
 }
 
@@ -38,9 +43,13 @@ fn a_white_furnace_stays_white() {
         let film = render(&prepare(&scene), &settings, 64);
         let hits: u32 = film.features.iter().map(|f| f.hits).sum();
         assert!(hits > 1000, "{name}: the camera sees the balls");
-        // Every weight is 1 (or crosses the glass both ways), so every path brings exactly 1 but for rounding.
+        // Every weight is 1 (or crosses the glass both ways), so every path brings exactly 1 but
+        // for rounding.
         for (pixel, color) in film.color().iter().enumerate() {
-            assert!((*color - Vec3::ONE).abs().max_element() < 1e-3, "{name}: pixel {pixel} is {color}");
+            assert!(
+                (*color - Vec3::ONE).abs().max_element() < 1e-3,
+                "{name}: pixel {pixel} is {color}"
+            );
         }
     }
 }
@@ -55,8 +64,8 @@ fn roulette_keeps_the_furnace_white_on_average() {
     assert_same_expectation(&without, &with, "roulette in the furnace");
 }
 
-/// A closed box whose walls emit 1 - rho and reflect rho holds radiance 1 - rho^D for paths of D segments, everywhere and in
-/// every direction.
+/// A closed box whose walls emit 1 - rho and reflect rho holds radiance 1 - rho^D for paths of D
+/// segments, everywhere and in every direction.
 #[test]
 fn a_glowing_box_holds_its_radiance() {
     let reflectance = 0.6_f32;
@@ -92,12 +101,23 @@ fn light_sampling_bsdf_sampling_and_both_agree() {
     let prepared = prepare(&scene);
     let settings = settings(&scene);
     let both = render(&prepared, &Settings { seed: 1, ..settings }, 1024);
-    let light = render(&prepared, &Settings { seed: 2, techniques: Techniques::LightSampling, ..settings }, 1024);
-    let bsdf = render(&prepared, &Settings { seed: 3, techniques: Techniques::BsdfSampling, ..settings }, 8192);
+    let light = render(
+        &prepared,
+        &Settings { seed: 2, techniques: Techniques::LightSampling, ..settings },
+        1024,
+    );
+    let bsdf = render(
+        &prepared,
+        &Settings { seed: 3, techniques: Techniques::BsdfSampling, ..settings },
+        8192,
+    );
     assert_same_expectation(&both, &light, "both and light sampling");
     assert_same_expectation(&both, &bsdf, "both and BSDF sampling");
     let noise = |film| mean_and_error(film).1 * f64::from(film.radiance[0].samples).sqrt();
-    assert!(noise(&both) < noise(&bsdf), "next-event estimation makes a room with a lamp less noisy");
+    assert!(
+        noise(&both) < noise(&bsdf),
+        "next-event estimation makes a room with a lamp less noisy"
+    );
 }
 
 #[test]
@@ -107,7 +127,11 @@ fn techniques_agree_around_mirrors_and_glass() {
         let prepared = prepare(&scene);
         let settings = settings(&scene);
         let both = render(&prepared, &Settings { seed: 1, ..settings }, 1024);
-        let bsdf = render(&prepared, &Settings { seed: 3, techniques: Techniques::BsdfSampling, ..settings }, 8192);
+        let bsdf = render(
+            &prepared,
+            &Settings { seed: 3, techniques: Techniques::BsdfSampling, ..settings },
+            8192,
+        );
         assert_same_expectation(&both, &bsdf, name);
     }
 }
@@ -129,10 +153,15 @@ fn both_samplers_agree_and_sobol_is_less_noisy() {
     let settings = settings(&scene);
     let reference = render(&prepared, &Settings { seed: 9, ..settings }, 16384);
     let independent = render(&prepared, &Settings { seed: 1, ..settings }, 1024);
-    let sobol = render(&prepared, &Settings { seed: 2, independent_sampler: false, ..settings }, 1024);
+    let sobol =
+        render(&prepared, &Settings { seed: 2, independent_sampler: false, ..settings }, 1024);
     assert_same_expectation(&reference, &sobol, "samplers");
     let error = |film: &raystream::film::Film| {
-        film.color().iter().zip(reference.color()).map(|(a, b)| f64::from((*a - b).length_squared())).sum::<f64>()
+        film.color()
+            .iter()
+            .zip(reference.color())
+            .map(|(a, b)| f64::from((*a - b).length_squared()))
+            .sum::<f64>()
     };
     assert!(error(&sobol) < error(&independent), "{} {}", error(&sobol), error(&independent));
 }
@@ -155,18 +184,25 @@ fn scale_does_not_matter() {
 fn a_closed_box_far_from_the_origin_leaks_nothing() {
     for offset in [0.0, 10.0, 1000.0] {
         let low = Vec3::splat(offset);
-        let mut scene = scenes::empty(low + Vec3::new(0.5, 0.5, 0.05), low + Vec3::new(0.5, 0.45, 1.0));
+        let mut scene =
+            scenes::empty(low + Vec3::new(0.5, 0.5, 0.05), low + Vec3::new(0.5, 0.45, 1.0));
         scene.film = FilmSize { width: 33, height: 21 };
         let wall = add_material(&mut scene, scenes::diffuse(1.0));
         add_box(&mut scene, low, low + Vec3::ONE, true, wall);
-        let settings = Settings { background: Vec3::ONE, roulette_depth: 100, max_depth: 50, ..settings(&scene) };
+        let settings = Settings {
+            background: Vec3::ONE,
+            roulette_depth: 100,
+            max_depth: 50,
+            ..settings(&scene)
+        };
         let film = render(&prepare(&scene), &settings, 64);
         let lit = film.color().iter().filter(|c| c.max_element() > 0.0).count();
         assert_eq!(lit, 0, "pixels that see out of a box at {offset}");
     }
 }
 
-/// The way a render is cut into rounds and batches is nobody's business: the film is the same, bit for bit.
+/// The way a render is cut into rounds and batches is nobody's business: the film is the same, bit
+/// for bit.
 #[test]
 fn rounds_do_not_change_the_film() {
     use raystream::exec::cpu::CpuExecutor;

@@ -18,8 +18,9 @@ fn raystream(arguments: &[&str]) -> Output {
 /// What wgpu says where the layer is not installed.
 const MISSING_LAYER: &str = "unable to find layer";
 
-/// Renders with every allocator, every estimator and every integrator: so every kernel of a render runs, and again after others. Paths are so long that
-/// integrators that advance in step leave some to the launch that finishes them.
+/// Renders with every allocator, every estimator and every integrator: so every kernel of a render
+/// runs, and again after others. Paths are so long that integrators that advance in step leave some
+/// to the launch that finishes them.
 fn renders() -> impl Iterator<Item = Vec<&'static str>> {
     let tiny = "render --size 16x12 --spp 8 --initial-spp 2 --round-budget 2 --noise 0.0001 --device gpu -o a.png";
     [
@@ -32,7 +33,8 @@ fn renders() -> impl Iterator<Item = Vec<&'static str>> {
     ]
     .into_iter()
     .map(move |(allocator, estimator, integrator)| {
-        let chosen = ["--allocator", allocator, "--estimator", estimator, "--integrator", integrator];
+        let chosen =
+            ["--allocator", allocator, "--estimator", estimator, "--integrator", integrator];
         tiny.split(' ').chain(["--max-depth", "30"]).chain(chosen).collect()
     })
 }
@@ -47,10 +49,13 @@ fn a_render_under_the_validation_layer_is_clean() {
         let messages = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success(), "{messages}");
         if messages.contains(MISSING_LAYER) {
-            common::no_gpu("the layer VK_LAYER_KHRONOS_validation is not installed (package vulkan-validationlayers)");
+            common::no_gpu(
+                "the layer VK_LAYER_KHRONOS_validation is not installed (package vulkan-validationlayers)",
+            );
             return;
         }
-        // wgpu logs what the layer says with the severity that it gives; rules that were broken have names that begin with VUID.
+        // wgpu logs what the layer says with the severity that it gives; rules that were broken
+        // have names that begin with VUID.
         for trouble in ["VUID", "ERROR", "WARN"] {
             assert!(!messages.contains(trouble), "{render:?}: {messages}");
         }

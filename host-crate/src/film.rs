@@ -1,9 +1,9 @@
 //! The film on the host: what was measured of every pixel, in rows from the top left.
 
 use glam::Vec3;
-use raystream_shaders::estimate::Estimate;
-use raystream_shaders::features::FeaturePixel;
+use raystream_shaders::estimator::Estimate;
 use raystream_shaders::film::FilmPixel;
+use raystream_shaders::integrator::first_hits::FeaturePixel;
 
 /// Sums over the samples of each pixel, and what follows from them.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +26,8 @@ impl Film {
         self.radiance.iter().map(|p| mean(p.sum, p.samples)).collect()
     }
 
-    /// Variance of each pixel's **mean**, by component: the squared standard error of [`Self::color`]. Infinite for fewer
-    /// than two samples.
+    /// Variance of each pixel's **mean**, by component: the squared standard error of
+    /// [`Self::color`]. Infinite for fewer than two samples.
     pub fn variance(&self) -> Vec<Vec3> {
         self.radiance
             .iter()
@@ -45,19 +45,18 @@ impl Film {
 
     /// Means over the even and over the odd samples: two independent pictures.
     pub fn halves(&self) -> [Vec<Vec3>; 2] {
-        let half =
-            |odd: bool| {
-                self.radiance
-                    .iter()
-                    .map(|p| {
-                        if odd {
-                            mean(p.odd_sum, p.samples / 2)
-                        } else {
-                            mean(p.sum - p.odd_sum, p.samples.div_ceil(2))
-                        }
-                    })
-                    .collect()
-            };
+        let half = |odd: bool| {
+            self.radiance
+                .iter()
+                .map(|p| {
+                    if odd {
+                        mean(p.odd_sum, p.samples / 2)
+                    } else {
+                        mean(p.sum - p.odd_sum, p.samples.div_ceil(2))
+                    }
+                })
+                .collect()
+        };
         [half(false), half(true)]
     }
 
@@ -78,7 +77,10 @@ impl Film {
 
     /// Mean distance to the first surface over the samples that hit one, in world units.
     pub fn depth(&self) -> Vec<f32> {
-        self.features.iter().map(|f| if f.hits == 0 { 0.0 } else { f.depth / f.hits as f32 }).collect()
+        self.features
+            .iter()
+            .map(|f| if f.hits == 0 { 0.0 } else { f.depth / f.hits as f32 })
+            .collect()
     }
 
     /// Samples of each pixel.
@@ -91,8 +93,8 @@ impl Film {
         self.of_estimates(|e| e.filtered)
     }
 
-    /// Estimated squared error of each pixel of [`Self::color`], the mean over the components, in squared radiance; none
-    /// without estimates.
+    /// Estimated squared error of each pixel of [`Self::color`], the mean over the components, in
+    /// squared radiance; none without estimates.
     pub fn squared_error(&self) -> Option<Vec<f32>> {
         self.of_estimates(|e| e.squared_error)
     }

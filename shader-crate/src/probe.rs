@@ -1,17 +1,18 @@
-//! Kernels that trace given rays and nothing else: for measuring traversal and for comparing processors hit by hit.
+//! Kernels that trace given rays and nothing else: for measuring traversal and for comparing
+//! processors hit by hit.
 
-use crate::access::at;
-use crate::bvh::BvhView;
-use crate::device_struct;
+use crate::film::stream::Slot;
+use crate::film::tiles::pixel_of_rank;
 use crate::glam::UVec4;
-use crate::light::{Light, LightView};
+use crate::integrator::path::PathParams;
+use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, SampleStream};
 use crate::math::sample_cosine_hemisphere;
-use crate::path::PathParams;
-use crate::ray::{Hit, OFFSET_ROUNDINGS, Ray, SurfacePoint};
-use crate::sampler::{BSDF, CHOICES, LIGHT_POINT, SampleStream};
-use crate::stream::Slot;
-use crate::tiles::pixel_of_rank;
-use crate::triangle::TriangleView;
+use crate::memory::access::at;
+use crate::memory::device_struct;
+use crate::scene::bvh::BvhView;
+use crate::scene::light::{Light, LightView};
+use crate::scene::ray::{Hit, OFFSET_ROUNDINGS, Ray, SurfacePoint};
+use crate::scene::triangle::TriangleView;
 
 device_struct! {
     /// The parameters of a trace of `threads` rays. 16 bytes.
@@ -34,8 +35,16 @@ pub fn primary_rays(lane: u32, params: &PathParams, slots: &[Slot], ray: &mut Ra
     *ray = camera.ray(x, y, [0.5, 0.5]);
 }
 
-/// Kernel: a cosine-distributed ray from what ray `lane` hit, on the side that it came from. A ray that hit nothing is repeated.
-pub fn bounce_rays(lane: u32, params: &PathParams, rays: &[Ray], hits: &[Hit], triangles: &[UVec4], bounced: &mut Ray) {
+/// Kernel: a cosine-distributed ray from what ray `lane` hit, on the side that it came from. A ray
+/// that hit nothing is repeated.
+pub fn bounce_rays(
+    lane: u32,
+    params: &PathParams,
+    rays: &[Ray],
+    hits: &[Hit],
+    triangles: &[UVec4],
+    bounced: &mut Ray,
+) {
     let ray = at(rays, lane);
     let hit = at(hits, lane);
     *bounced = if hit.is_some() {
@@ -48,7 +57,8 @@ pub fn bounce_rays(lane: u32, params: &PathParams, rays: &[Ray], hits: &[Hit], t
     };
 }
 
-/// Kernel: the segment from what ray `lane` hit to a point on a light. A ray that hit nothing is repeated.
+/// Kernel: the segment from what ray `lane` hit to a point on a light. A ray that hit nothing is
+/// repeated.
 pub fn shadow_rays(
     lane: u32,
     params: &PathParams,
@@ -63,7 +73,8 @@ pub fn shadow_rays(
     *shadow = if hit.is_some() && params.lights > 0 {
         let numbers = SampleStream::new(params.sampler, params.seed, lane, 0);
         let lights = LightView::new(lights, params.lights);
-        let light = lights.sample(lights.choose(numbers.bits(CHOICES)[0]), numbers.pair(LIGHT_POINT));
+        let light =
+            lights.sample(lights.choose(numbers.bits(CHOICES)[0]), numbers.pair(LIGHT_POINT));
         let point = surface_point(triangles, &ray, &hit);
         let from = point.offset_towards(light.position - point.position);
         Ray::segment(from, light.position - from, 0.9999)
@@ -73,12 +84,26 @@ pub fn shadow_rays(
 }
 
 /// Kernel: the nearest hit of ray `lane`.
-pub fn closest_hits(lane: u32, _: &ProbeParams, rays: &[Ray], nodes: &[UVec4], triangles: &[UVec4], hit: &mut Hit) {
+pub fn closest_hits(
+    lane: u32,
+    _: &ProbeParams,
+    rays: &[Ray],
+    nodes: &[UVec4],
+    triangles: &[UVec4],
+    hit: &mut Hit,
+) {
     *hit = BvhView::new(nodes, triangles).closest_hit(&at(rays, lane));
 }
 
 /// Kernel: 1 if ray `lane` hits anything, else 0.
-pub fn any_hits(lane: u32, _: &ProbeParams, rays: &[Ray], nodes: &[UVec4], triangles: &[UVec4], occluded: &mut u32) {
+pub fn any_hits(
+    lane: u32,
+    _: &ProbeParams,
+    rays: &[Ray],
+    nodes: &[UVec4],
+    triangles: &[UVec4],
+    occluded: &mut u32,
+) {
     *occluded = BvhView::new(nodes, triangles).is_occluded(&at(rays, lane)) as u32;
 }
 

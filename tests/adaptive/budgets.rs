@@ -15,12 +15,19 @@ const ESTIMATORS: [Estimator; 3] = [Estimator::Bilateral, Estimator::Halves, Est
 
 /// The picture and what is said of it are numbers.
 fn assert_finite(film: &Film, what: &str) {
-    assert!(film.color().iter().chain(film.filtered().iter().flatten()).all(|color| color.is_finite()), "{what}");
-    assert!(film.squared_error().iter().flatten().all(|error| error.is_finite() && *error >= 0.0), "{what}");
+    assert!(
+        film.color().iter().chain(film.filtered().iter().flatten()).all(|color| color.is_finite()),
+        "{what}"
+    );
+    assert!(
+        film.squared_error().iter().flatten().all(|error| error.is_finite() && *error >= 0.0),
+        "{what}"
+    );
     assert!(film.features.iter().all(|f| f.albedo.is_finite() && f.normal.is_finite()), "{what}");
 }
 
-/// Renders with all allocators, estimators and forms of error; film and budget are as they should be.
+/// Renders with all allocators, estimators and forms of error; film and budget are as they should
+/// be.
 fn assert_budgets<E: Executor>(
     executor: &E,
     (scene, settings): &(PreparedScene, Settings),
@@ -36,16 +43,26 @@ fn assert_budgets<E: Executor>(
                     round_budget: Some(1.3),
                     ..sampling(allocator, estimator)
                 };
-                let what = format!("{allocator:?} by {estimator:?}, relative {relative}, of {:?}", settings.size);
-                let (film, outcome) = render_on(executor, scene, &Settings { sampling, ..*settings }, Some(samples));
+                let what = format!(
+                    "{allocator:?} by {estimator:?}, relative {relative}, of {:?}",
+                    settings.size
+                );
+                let (film, outcome) =
+                    render_on(executor, scene, &Settings { sampling, ..*settings }, Some(samples));
                 let budget = u64::from(samples) * film.radiance.len() as u64;
                 if allocator == Paper {
                     // A round that has fewer pixels to sample than slots is not filled.
-                    assert!(outcome.paths <= budget && outcome.paths * 100 >= budget * 95, "{what}: {outcome:?}");
+                    assert!(
+                        outcome.paths <= budget && outcome.paths * 100 >= budget * 95,
+                        "{what}: {outcome:?}"
+                    );
                 } else {
                     assert_eq!(outcome.paths, budget, "{what}");
                 }
-                assert!(film.samples().iter().all(|&n| n >= 2.min(samples)), "{what}: the first round is uniform");
+                assert!(
+                    film.samples().iter().all(|&n| n >= 2.min(samples)),
+                    "{what}: the first round is uniform"
+                );
                 assert_eq!(film.estimates.is_some(), allocator != Uniform, "{what}");
                 assert_finite(&film, &what);
                 look(&film, &what);
@@ -61,7 +78,9 @@ fn every_combination_meets_its_budget_on_the_cpu() {
 
 #[test]
 fn every_combination_meets_its_budget_on_the_gpu() {
-    with_gpu(|gpu| assert_budgets(&Small::new(gpu, 0), &room(scenes::glass(1.5), 19, 13), 7, |_, _| ()));
+    with_gpu(|gpu| {
+        assert_budgets(&Small::new(gpu, 0), &room(scenes::glass(1.5), 19, 13), 7, |_, _| ())
+    });
 }
 
 /// One sample is less than the first round wants.
@@ -76,7 +95,12 @@ fn budgets_smaller_than_the_first_round() {
 #[test]
 fn pictures_smaller_than_a_tile() {
     for (width, height) in [(1, 1), (7, 5), (1, 9)] {
-        assert_budgets(&Small::new(&CpuExecutor, 0), &room(scenes::mirror(0.9), width, height), 9, |_, _| ());
+        assert_budgets(
+            &Small::new(&CpuExecutor, 0),
+            &room(scenes::mirror(0.9), width, height),
+            9,
+            |_, _| (),
+        );
     }
 }
 
@@ -108,7 +132,8 @@ fn nothing_to_see() {
 #[test]
 fn features_are_those_of_a_uniform_render() {
     let (scene, settings) = room(scenes::glass(1.5), 19, 13);
-    let features = |sampling, samples| render(&scene, &Settings { sampling, ..settings }, Some(samples)).0;
+    let features =
+        |sampling, samples| render(&scene, &Settings { sampling, ..settings }, Some(samples)).0;
     let uniform = features(Sampling::UNIFORM, 32);
     for allocator in [Paper, Atomic, Runs] {
         let adaptive = features(sampling(allocator, Estimator::Bilateral), 36);

@@ -7,9 +7,10 @@ use raystream::film::Film;
 use raystream::render::AllocatorKind::{Atomic, Paper, Runs, Uniform};
 use raystream::render::Estimator::{Bilateral, Halves, Variance};
 use raystream::render::{EstimationSettings, PreparedScene, Renderer, Sampling, Settings};
-use raystream_shaders::estimate::relative_error;
+use raystream_shaders::estimator::relative_error;
 
-/// A render that goes on for this many samples per pixel would have gone on for ever: the slowest here takes a tenth.
+/// A render that goes on for this many samples per pixel would have gone on for ever: the slowest
+/// here takes a tenth.
 const ENDLESS: u32 = 10_000;
 const PIXELS: u64 = 16 * 12;
 
@@ -21,13 +22,18 @@ fn mean_radiance(film: &Film) -> f32 {
 fn true_error(film: &Film, reference: &Film) -> f64 {
     let mean = mean_radiance(reference);
     let pixels = film.color().into_iter().zip(reference.color());
-    let sum: f64 = pixels.map(|(a, b)| f64::from(relative_error(b, (a - b).length_squared() / 3.0, mean))).sum();
+    let sum: f64 = pixels
+        .map(|(a, b)| f64::from(relative_error(b, (a - b).length_squared() / 3.0, mean)))
+        .sum();
     (sum / film.radiance.len() as f64).sqrt()
 }
 
 /// The estimators look at each pixel alone.
 fn unsmoothed(sampling: Sampling) -> Sampling {
-    Sampling { estimation: EstimationSettings { smooth: false, ..EstimationSettings::DEFAULT }, ..sampling }
+    Sampling {
+        estimation: EstimationSettings { smooth: false, ..EstimationSettings::DEFAULT },
+        ..sampling
+    }
 }
 
 /// Renders until `noise` is reached; the film and its samples per pixel.
@@ -45,8 +51,9 @@ fn render_until(
 
 /// Uniform rounds are long: they end below what was asked for.
 const LOWEST: f64 = 1.0 / 3.0;
-/// Estimates are least certain where samples are few, and too low where rare light has not been found: a factor of 2, as between confident and
-/// doubtful. (`halves` of single pixels is not tested: one random number squared is often small by chance.)
+/// Estimates are least certain where samples are few, and too low where rare light has not been
+/// found: a factor of 2, as between confident and doubtful. (`halves` of single pixels is not
+/// tested: one random number squared is often small by chance.)
 const HIGHEST: f64 = 2.0;
 
 #[test]
@@ -64,10 +71,13 @@ fn renders_end_near_the_noise_that_was_asked_for() {
         unsmoothed(sampling(Runs, Variance)),
     ] {
         for noise in [0.2, 0.1] {
-            let renders: Vec<_> = seeds.clone().map(|seed| render_until(noise, &room, sampling, seed)).collect();
-            let squares = renders.iter().map(|(film, _)| true_error(film, &reference).powi(2)).sum::<f64>();
+            let renders: Vec<_> =
+                seeds.clone().map(|seed| render_until(noise, &room, sampling, seed)).collect();
+            let squares =
+                renders.iter().map(|(film, _)| true_error(film, &reference).powi(2)).sum::<f64>();
             let ratio = (squares / renders.len() as f64).sqrt() / f64::from(noise);
-            let samples = renders.iter().map(|(_, samples)| samples).sum::<f64>() / renders.len() as f64;
+            let samples =
+                renders.iter().map(|(_, samples)| samples).sum::<f64>() / renders.len() as f64;
             let what = format!(
                 "{:?} by {:?}, relative {}: {ratio:.2} of {noise}, after {samples:.1} samples",
                 sampling.allocator, sampling.estimator, sampling.relative
@@ -112,7 +122,8 @@ fn pixels_that_have_converged_get_no_more_samples() {
     let mean = mean_radiance(&film);
     let mut some_of_both = 0;
     for round in 0..20 {
-        let unconverged = renderer.noise().unwrap().expect("a threshold needs estimates").unconverged;
+        let unconverged =
+            renderer.noise().unwrap().expect("a threshold needs estimates").unconverged;
         if unconverged == 0 {
             break;
         }
@@ -123,7 +134,8 @@ fn pixels_that_have_converged_get_no_more_samples() {
         let got = |p: usize| film.radiance[p].samples - before.radiance[p].samples;
         let sampled = (0..film.radiance.len()).filter(|&p| got(p) > 0).count() as u64;
         assert_eq!(sampled, unconverged, "round {round}");
-        for (p, (color, variance)) in before.color().into_iter().zip(before.variance()).enumerate() {
+        for (p, (color, variance)) in before.color().into_iter().zip(before.variance()).enumerate()
+        {
             let error = relative_error(color, variance.element_sum() / 3.0, mean).sqrt() / 0.05;
             // At the limit itself rounding decides.
             if (error - 1.0).abs() > 1e-3 {
@@ -151,8 +163,9 @@ fn renders_with_caustics_end_as_well() {
     }
 }
 
-/// Smoothed errors are of a pixel and its neighbours, but each pixel's convergence is relative to its own brightness: a bright pixel that
-/// has converged and gets no more samples leaves its noise to a dark neighbour, which must not wait for it.
+/// Smoothed errors are of a pixel and its neighbours, but each pixel's convergence is relative to
+/// its own brightness: a bright pixel that has converged and gets no more samples leaves its noise
+/// to a dark neighbour, which must not wait for it.
 #[test]
 fn smoothed_errors_converge() {
     let room = room(scenes::mirror(0.9), 16, 12);

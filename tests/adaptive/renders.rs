@@ -5,13 +5,15 @@ use super::common::{prepare, scenes, settings};
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{ExecError, Executor, Launch, Limits, kernels};
 use raystream::film::Film;
-use raystream::render::{AllocatorKind, Budget, Estimator, Outcome, PreparedScene, Renderer, Sampling, Settings, run};
+use raystream::render::{
+    AllocatorKind, Budget, Estimator, Outcome, PreparedScene, Renderer, Sampling, Settings, run,
+};
 use raystream::scene::FilmSize;
-use raystream_shaders::material::Material;
+use raystream_shaders::scene::bsdf::Material;
 use std::time::Duration;
 
-/// Longest streams, in slots: ample for tiny pictures. By default a renderer clears memory for millions, which takes longer than to
-/// render them.
+/// Longest streams, in slots: ample for tiny pictures. By default a renderer clears memory for
+/// millions, which takes longer than to render them.
 const SLOTS: u64 = 1 << 15;
 
 /// A device with short streams, whose first batches can be slow: the next ones are then short.
@@ -43,7 +45,12 @@ impl<E: Executor> Executor for Small<'_, E> {
     fn write(&self, buffer: &Self::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
         self.inner.write(buffer, first_byte, bytes)
     }
-    fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
+    fn read(
+        &self,
+        buffer: &Self::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
         self.inner.read(buffer, first_byte, bytes)
     }
     fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
@@ -72,7 +79,8 @@ pub fn render_on<E: Executor>(
     samples: Option<u32>,
 ) -> (Film, Outcome) {
     let mut renderer = Renderer::new(executor, scene, settings).expect("the scene fits");
-    let outcome = run(&mut renderer, Budget { samples, time: None }, &|| false, &mut |_| ()).expect("the device works");
+    let outcome = run(&mut renderer, Budget { samples, time: None }, &|| false, &mut |_| ())
+        .expect("the device works");
     assert!(!outcome.interrupted);
     assert_eq!(outcome.paths, renderer.paths());
     renderer.finish_features().expect("the device works");

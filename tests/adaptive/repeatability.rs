@@ -28,8 +28,11 @@ fn film<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings) -
 fn rooms() -> impl Iterator<Item = (PreparedScene, Settings, String)> {
     REPEATABLE.into_iter().map(|allocator| {
         let (scene, settings) = room(scenes::glass(1.5), 37, 23);
-        let settings =
-            Settings { sampling: sampling(allocator, Estimator::Bilateral), independent_sampler: false, ..settings };
+        let settings = Settings {
+            sampling: sampling(allocator, Estimator::Bilateral),
+            independent_sampler: false,
+            ..settings
+        };
         (scene, settings, format!("{allocator:?}"))
     })
 }
@@ -41,9 +44,13 @@ fn films_are_the_same_on_the_cpu_whatever_the_batches() {
         let (second, _) = film(&Small::new(&CpuExecutor, 0), &scene, &settings);
         assert!(first == second, "{name}");
         let (slow, short_batches) = film(&Small::new(&CpuExecutor, 3), &scene, &settings);
-        assert!(short_batches > batches, "{name}: {batches} batches, and {short_batches} after slow ones");
+        assert!(
+            short_batches > batches,
+            "{name}: {batches} batches, and {short_batches} after slow ones"
+        );
         assert!(first == slow, "{name}: batches show");
-        let (other, _) = film(&Small::new(&CpuExecutor, 0), &scene, &Settings { seed: 2, ..settings });
+        let (other, _) =
+            film(&Small::new(&CpuExecutor, 0), &scene, &Settings { seed: 2, ..settings });
         assert!(first != other, "{name}: another seed is another film");
     }
 }

@@ -14,8 +14,8 @@ fn rmse(film: &Film, reference: &Film) -> f64 {
     (sum / film.radiance.len() as f64).sqrt()
 }
 
-/// Of two renders with the same seed, the adaptive one is nearer to the reference: on average over seeds, by a factor whose logarithm is
-/// at least 4 standard errors below 0.
+/// Of two renders with the same seed, the adaptive one is nearer to the reference: on average over
+/// seeds, by a factor whose logarithm is at least 4 standard errors below 0.
 #[test]
 fn errors_are_smaller_than_those_of_uniform_sampling() {
     for (name, ball) in [("mirror", scenes::mirror(0.9)), ("glass", scenes::glass(1.5))] {
@@ -25,12 +25,18 @@ fn errors_are_smaller_than_those_of_uniform_sampling() {
         let gains: Vec<f64> = (0..RENDERS)
             .map(|seed| {
                 let error = |sampling| {
-                    rmse(&render(&scene, &Settings { sampling, seed, ..settings }, Some(SAMPLES)).0, &reference)
+                    rmse(
+                        &render(&scene, &Settings { sampling, seed, ..settings }, Some(SAMPLES)).0,
+                        &reference,
+                    )
                 };
                 (error(adaptive) / error(Sampling::UNIFORM)).ln()
             })
             .collect();
         let (gain, error) = mean_and_error(&gains);
-        assert!(gain + 4.0 * error < 0.0, "{name}: RMSE of adaptive over uniform sampling: exp({gain} +- {error})");
+        assert!(
+            gain + 4.0 * error < 0.0,
+            "{name}: RMSE of adaptive over uniform sampling: exp({gain} +- {error})"
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! The pictures of `lvc` against those of the path tracer, and its techniques against each other.
 //!
-//! The samples of a round share their light paths, so the error of a picture is told by the spread of its rounds.
+//! The samples of a round share their light paths, so the error of a picture is told by the spread
+//! of its rounds.
 
 use super::common::scenes::{self, add_ball, add_box, add_material, add_quad};
 use super::common::statistics::assert_rounds_have_expectation;
@@ -43,7 +44,9 @@ fn shipped(name: &str) -> Scene {
 
 #[test]
 fn the_pictures_of_shipped_scenes() {
-    for (name, samples) in [("cornell_ball", 1024), ("cornell_glass", 4096), ("opening", 16384), ("caustics", 8192)] {
+    for (name, samples) in
+        [("cornell_ball", 1024), ("cornell_glass", 4096), ("opening", 16384), ("caustics", 8192)]
+    {
         assert_agreement(&shipped(name), samples, name);
     }
 }
@@ -52,7 +55,8 @@ fn the_pictures_of_shipped_scenes() {
 fn the_pictures_of_the_large_scenes() {
     let Some(folder) = large_scenes() else { return };
     for name in ["sibenik", "conference"] {
-        let mut scene = load(&folder.join(name).join(name).with_extension("json")).expect("it is there");
+        let mut scene =
+            load(&folder.join(name).join(name).with_extension("json")).expect("it is there");
         scene.film = FilmSize { width: 16, height: 12 };
         assert_agreement(&scene, 2048, name);
     }
@@ -60,13 +64,17 @@ fn the_pictures_of_the_large_scenes() {
 
 #[test]
 fn rooms_with_every_material() {
-    for (name, ball) in [("mirror", scenes::mirror(0.9)), ("glass", scenes::glass(1.5)), ("bubble", scenes::glass(0.7))]
-    {
+    for (name, ball) in [
+        ("mirror", scenes::mirror(0.9)),
+        ("glass", scenes::glass(1.5)),
+        ("bubble", scenes::glass(0.7)),
+    ] {
         assert_agreement(&scenes::room(ball, 1.0), 2048, name);
     }
 }
 
-/// Shading normals far from those of the triangles: light paths need the adjoint BSDF, which shows where connections do most of the work.
+/// Shading normals far from those of the triangles: light paths need the adjoint BSDF, which shows
+/// where connections do most of the work.
 #[test]
 fn smooth_normals() {
     for (name, scene) in [
@@ -80,8 +88,18 @@ fn smooth_normals() {
         for techniques in [BidirectionalTechniques::All, Connections] {
             let settings = lvc(&scene, LIGHT_PATHS);
             let light_cache = LightCacheSettings { techniques, ..settings.light_cache };
-            let pictures = rounds(&CpuExecutor, &prepared, &Settings { light_cache, ..settings }, ROUNDS, SAMPLES);
-            assert_rounds_have_expectation(&expected, &pictures, &format!("smooth {name}, {techniques:?}"));
+            let pictures = rounds(
+                &CpuExecutor,
+                &prepared,
+                &Settings { light_cache, ..settings },
+                ROUNDS,
+                SAMPLES,
+            );
+            assert_rounds_have_expectation(
+                &expected,
+                &pictures,
+                &format!("smooth {name}, {techniques:?}"),
+            );
         }
     }
 }
@@ -107,14 +125,20 @@ fn a_lamp_in_the_open() {
     let prepared = prepare(&scene);
     // Sums of these do not round.
     let background = Vec3::new(0.125, 0.25, 0.5);
-    let expected = render(&prepared, &Settings { seed: 1000, background, ..settings(&scene) }, 2048);
-    let pictures =
-        rounds(&CpuExecutor, &prepared, &Settings { background, ..lvc(&scene, LIGHT_PATHS) }, ROUNDS, SAMPLES);
+    let expected =
+        render(&prepared, &Settings { seed: 1000, background, ..settings(&scene) }, 2048);
+    let pictures = rounds(
+        &CpuExecutor,
+        &prepared,
+        &Settings { background, ..lvc(&scene, LIGHT_PATHS) },
+        ROUNDS,
+        SAMPLES,
+    );
     assert_rounds_have_expectation(&expected, &pictures, "a lamp in the open");
 }
 
-/// A closed box whose walls emit 1 - rho and reflect rho holds radiance 1 - rho^D for paths of D segments: every technique, at every
-/// length, and no path too long.
+/// A closed box whose walls emit 1 - rho and reflect rho holds radiance 1 - rho^D for paths of D
+/// segments: every technique, at every length, and no path too long.
 #[test]
 fn a_glowing_box_holds_its_radiance() {
     let reflectance = 0.6_f32;
@@ -122,11 +146,23 @@ fn a_glowing_box_holds_its_radiance() {
     let wall = add_material(&mut scene, scenes::emissive(1.0 - reflectance, reflectance));
     add_box(&mut scene, Vec3::ZERO, Vec3::new(1.0, 1.2, 1.5), true, wall);
     let prepared = prepare(&scene);
-    for techniques in [BidirectionalTechniques::All, Emission, WithoutConnections, WithoutLightSampling, Connections] {
+    for techniques in [
+        BidirectionalTechniques::All,
+        Emission,
+        WithoutConnections,
+        WithoutLightSampling,
+        Connections,
+    ] {
         for max_depth in [1, 2, 3, 4, 9] {
             let settings = lvc(&scene, LIGHT_PATHS);
             let light_cache = LightCacheSettings { techniques, ..settings.light_cache };
-            let pictures = rounds(&CpuExecutor, &prepared, &Settings { max_depth, light_cache, ..settings }, ROUNDS, 1);
+            let pictures = rounds(
+                &CpuExecutor,
+                &prepared,
+                &Settings { max_depth, light_cache, ..settings },
+                ROUNDS,
+                1,
+            );
             let (mean, error) = mean_and_error(&pictures);
             // The second term is for rounding: emission alone has no variance here.
             let expected = f64::from(1.0 - reflectance.powi(max_depth as i32));
@@ -140,7 +176,8 @@ fn a_glowing_box_holds_its_radiance() {
 }
 
 fn mean_and_error(pictures: &[Vec<DVec3>]) -> (f64, f64) {
-    let means: Vec<f64> = pictures.iter().map(|p| p.iter().map(|c| c.x).sum::<f64>() / p.len() as f64).collect();
+    let means: Vec<f64> =
+        pictures.iter().map(|p| p.iter().map(|c| c.x).sum::<f64>() / p.len() as f64).collect();
     let count = means.len() as f64;
     let mean = means.iter().sum::<f64>() / count;
     let spread = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (count - 1.0);
@@ -157,30 +194,46 @@ fn techniques_agree() {
     ] {
         let (prepared, expected) = path_traced(&scene, 8192);
         for techniques in [Emission, WithoutConnections, WithoutLightSampling, Connections] {
-            // No eye path runs into the lamp behind the opening often enough to tell anything, and nothing else finds the spot below it.
+            // No eye path runs into the lamp behind the opening often enough to tell anything, and
+            // nothing else finds the spot below it.
             if name == "opening" && matches!(techniques, Emission | WithoutLightSampling) {
                 continue;
             }
             let settings = lvc(&scene, LIGHT_PATHS);
             let light_cache = LightCacheSettings { techniques, ..settings.light_cache };
-            let pictures = rounds(&CpuExecutor, &prepared, &Settings { light_cache, ..settings }, ROUNDS, 2 * SAMPLES);
-            assert_rounds_have_expectation(&expected, &pictures, &format!("{name}, {techniques:?}"));
+            let pictures = rounds(
+                &CpuExecutor,
+                &prepared,
+                &Settings { light_cache, ..settings },
+                ROUNDS,
+                2 * SAMPLES,
+            );
+            assert_rounds_have_expectation(
+                &expected,
+                &pictures,
+                &format!("{name}, {techniques:?}"),
+            );
         }
     }
 }
 
-/// Any number of light paths, of connections and of segments before roulette gives the same picture; with roulette from the start
-/// it is part of most paths.
+/// Any number of light paths, of connections and of segments before roulette gives the same
+/// picture; with roulette from the start it is part of most paths.
 #[test]
 fn numbers_of_paths_and_connections_and_roulette_change_no_mean() {
     let scene = scenes::room(scenes::glass(1.5), 1.0);
     let (prepared, expected) = path_traced(&scene, 4096);
-    for (light_paths, connections, roulette_depth) in [(7, 1, 5), (100, 9, 5), (3000, 2, 1), (300, 64, 100)] {
+    for (light_paths, connections, roulette_depth) in
+        [(7, 1, 5), (100, 9, 5), (3000, 2, 1), (300, 64, 100)]
+    {
         let settings = lvc(&scene, light_paths);
-        let light_cache = LightCacheSettings { connections: Some(connections), ..settings.light_cache };
+        let light_cache =
+            LightCacheSettings { connections: Some(connections), ..settings.light_cache };
         let settings = Settings { light_cache, roulette_depth, ..settings };
         let pictures = rounds(&CpuExecutor, &prepared, &settings, ROUNDS, SAMPLES);
-        let what = format!("{light_paths} light paths, {connections} connections, roulette from {roulette_depth}");
+        let what = format!(
+            "{light_paths} light paths, {connections} connections, roulette from {roulette_depth}"
+        );
         assert_rounds_have_expectation(&expected, &pictures, &what);
     }
 }
@@ -191,19 +244,23 @@ fn sobol_points_give_the_same_picture() {
     let scene = scenes::room(scenes::mirror(0.9), 1.0);
     let (prepared, expected) = path_traced(&scene, 4096);
     let settings = Settings { independent_sampler: false, ..lvc(&scene, 512) };
-    // Rounds continue the sequences of pixels, so renders of different seeds are what is independent.
-    let pictures: Vec<Vec<DVec3>> =
-        (0..100).map(|seed| rounds(&CpuExecutor, &prepared, &Settings { seed, ..settings }, 1, 8).remove(0)).collect();
+    // Rounds continue the sequences of pixels, so renders of different seeds are what is
+    // independent.
+    let pictures: Vec<Vec<DVec3>> = (0..100)
+        .map(|seed| rounds(&CpuExecutor, &prepared, &Settings { seed, ..settings }, 1, 8).remove(0))
+        .collect();
     assert_rounds_have_expectation(&expected, &pictures, "Sobol points");
 }
 
-/// A scene of any size in world units gives the same picture: densities and their squares are far from overflow.
+/// A scene of any size in world units gives the same picture: densities and their squares are far
+/// from overflow.
 #[test]
 fn scale_does_not_matter() {
     let (_, expected) = path_traced(&scenes::room(scenes::glass(1.5), 1.0), 4096);
     for scale in [1e-4, 1e6] {
         let scene = scenes::room(scenes::glass(1.5), scale);
-        let pictures = rounds(&CpuExecutor, &prepare(&scene), &lvc(&scene, LIGHT_PATHS), ROUNDS, SAMPLES);
+        let pictures =
+            rounds(&CpuExecutor, &prepare(&scene), &lvc(&scene, LIGHT_PATHS), ROUNDS, SAMPLES);
         assert_rounds_have_expectation(&expected, &pictures, &format!("scale {scale}"));
     }
 }

@@ -1,4 +1,5 @@
-//! The light vertex cache: the same vertices, in the order of their paths, on every device, bit for bit.
+//! The light vertex cache: the same vertices, in the order of their paths, on every device, bit for
+//! bit.
 
 use super::common::{prepare, scenes, settings, with_gpu};
 use bytemuck::Zeroable;
@@ -7,11 +8,11 @@ use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor, Launch, kernels};
 use raystream::render::SceneBuffers;
 use raystream::render::integrator::lvc::gather;
-use raystream_shaders::lvc::LvcParams;
-use raystream_shaders::lvc::cache::{HEADER_ROWS, LightCache};
-use raystream_shaders::lvc::light_vertex::{LightVertex, ROWS_PER_VERTEX};
-use raystream_shaders::prefix::BlockParams;
-use raystream_shaders::sampler::hash;
+use raystream_shaders::integrator::lvc::LvcParams;
+use raystream_shaders::integrator::lvc::cache::{HEADER_ROWS, LightCache};
+use raystream_shaders::integrator::lvc::light_vertex::{LightVertex, ROWS_PER_VERTEX};
+use raystream_shaders::math::random::hash;
+use raystream_shaders::parallel::prefix::BlockParams;
 
 /// Light paths as they lie in scratch memory.
 struct Paths {
@@ -27,7 +28,9 @@ impl Paths {
         Self {
             counts: (0..paths).map(|path| hash(path ^ seed) % (vertices_per_path + 1)).collect(),
             vertices_per_path,
-            scratch: (0..rows).map(|row| UVec4::new(row, hash(row), hash(row ^ seed), !row)).collect(),
+            scratch: (0..rows)
+                .map(|row| UVec4::new(row, hash(row), hash(row ^ seed), !row))
+                .collect(),
         }
     }
 
@@ -49,8 +52,11 @@ impl Paths {
         let blocks = BlockParams::per_block(paths).blocks as usize;
         let offsets = Array::zeroed(executor, "offsets", blocks + 1).unwrap();
         let scratch = Array::from_slice(executor, "scratch", &self.scratch).unwrap();
-        let cache = Array::zeroed(executor, "cache", HEADER_ROWS as usize + self.scratch.len()).unwrap();
-        executor.run(&gather(paths, self.vertices_per_path, &counts, &offsets, &scratch, &cache)).unwrap();
+        let cache =
+            Array::zeroed(executor, "cache", HEADER_ROWS as usize + self.scratch.len()).unwrap();
+        executor
+            .run(&gather(paths, self.vertices_per_path, &counts, &offsets, &scratch, &cache))
+            .unwrap();
         let mut rows: Vec<UVec4> = cache.read(executor).unwrap();
         rows.truncate((HEADER_ROWS + rows[0].x * ROWS_PER_VERTEX) as usize);
         rows
@@ -64,8 +70,14 @@ fn the_cache_is_a_sequential_copy_on_every_device() {
     {
         let paths = Paths::random(paths, vertices.max(1), paths ^ vertices);
         let expected = paths.expected();
-        assert!(paths.gathered(&CpuExecutor) == expected, "{} paths on the CPU", paths.counts.len());
-        with_gpu(|gpu| assert!(paths.gathered(gpu) == expected, "{} paths on the GPU", paths.counts.len()));
+        assert!(
+            paths.gathered(&CpuExecutor) == expected,
+            "{} paths on the CPU",
+            paths.counts.len()
+        );
+        with_gpu(|gpu| {
+            assert!(paths.gathered(gpu) == expected, "{} paths on the GPU", paths.counts.len())
+        });
     }
 }
 
@@ -87,7 +99,9 @@ fn traced_paths_make_the_same_cache_on_every_device() {
     };
     let buffers = SceneBuffers::new(&CpuExecutor, &prepared).unwrap();
     let counts = Array::zeroed(&CpuExecutor, "counts", paths as usize).unwrap();
-    let scratch = Array::zeroed(&CpuExecutor, "scratch", (paths * segments * ROWS_PER_VERTEX) as usize).unwrap();
+    let scratch =
+        Array::zeroed(&CpuExecutor, "scratch", (paths * segments * ROWS_PER_VERTEX) as usize)
+            .unwrap();
     let views = vec![
         buffers.nodes.view(),
         buffers.triangles.view(),
@@ -115,14 +129,21 @@ fn traced_paths_make_the_same_cache_on_every_device() {
         assert!((1..=segments).contains(&vertex.segments));
         assert!(vertex.flux.is_finite() && vertex.flux.min_element() >= 0.0, "{vertex:?}");
         assert!(vertex.norm.is_finite() && vertex.norm > 0.0, "{vertex:?}");
-        assert!((vertex.normal.length() - 1.0).abs() < 1e-5 && (vertex.geometric.length() - 1.0).abs() < 1e-5);
+        assert!(
+            (vertex.normal.length() - 1.0).abs() < 1e-5
+                && (vertex.geometric.length() - 1.0).abs() < 1e-5
+        );
     }
     let mut drawn = vec![0_u32; cache.len() as usize];
-    let places: Vec<[u32; 3]> = (0..cache.len()).map(|i| cache.get(i).position.to_array().map(f32::to_bits)).collect();
+    let places: Vec<[u32; 3]> =
+        (0..cache.len()).map(|i| cache.get(i).position.to_array().map(f32::to_bits)).collect();
     // Equally spaced numbers draw every vertex, the first and the last too.
     for k in 0..cache.len() {
         let bits = ((u64::from(k) << 32) / u64::from(cache.len())) as u32 + 1;
-        drawn[places.iter().position(|p| *p == cache.draw(bits).position.to_array().map(f32::to_bits)).unwrap()] += 1;
+        drawn[places
+            .iter()
+            .position(|p| *p == cache.draw(bits).position.to_array().map(f32::to_bits))
+            .unwrap()] += 1;
     }
     assert!(drawn.iter().all(|&times| times == 1), "each vertex is drawn once");
 }

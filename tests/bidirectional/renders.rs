@@ -8,8 +8,8 @@ use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{ExecError, Executor, Launch, Limits, kernels};
 use raystream::render::AllocatorKind::{Atomic, Paper, Runs, Uniform};
 use raystream::render::{
-    BidirectionalTechniques, Budget, IntegratorKind, LightCacheSettings, PreparedScene, Renderer, Sampling, Settings,
-    run,
+    BidirectionalTechniques, Budget, IntegratorKind, LightCacheSettings, PreparedScene, Renderer,
+    Sampling, Settings, run,
 };
 use raystream::scene::{FilmSize, Scene};
 use std::time::Duration;
@@ -38,13 +38,19 @@ pub fn rounds<E: Executor>(
         renderer.round(samples, &mut |_| ()).expect("the device works");
         let film = renderer.film().expect("the device works");
         let sums: Vec<DVec3> = film.radiance.iter().map(|pixel| pixel.sum.as_dvec3()).collect();
-        pictures.push(sums.iter().zip(&before).map(|(sum, before)| (*sum - *before) / f64::from(samples)).collect());
+        pictures.push(
+            sums.iter()
+                .zip(&before)
+                .map(|(sum, before)| (*sum - *before) / f64::from(samples))
+                .collect(),
+        );
         before = sums;
     }
     pictures
 }
 
-/// The CPU with streams of at most `slots` slots, the first batches of which are so slow that the next are short.
+/// The CPU with streams of at most `slots` slots, the first batches of which are so slow that the
+/// next are short.
 struct Hindered {
     slots: u64,
     slow_batches: SlowBatches,
@@ -75,7 +81,12 @@ impl Executor for Hindered {
     fn write(&self, buffer: &Self::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
         CpuExecutor.write(buffer, first_byte, bytes)
     }
-    fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
+    fn read(
+        &self,
+        buffer: &Self::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
         CpuExecutor.read(buffer, first_byte, bytes)
     }
     fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
@@ -95,29 +106,39 @@ fn streams_and_batches_do_not_change_the_film() {
     assert_ne!(render_on(&CpuExecutor, &prepared, &Settings { seed: 2, ..settings }, 3), at_once);
 }
 
-/// The length of rounds follows from the pilot run, not from time, and each round has light paths of its own.
+/// The length of rounds follows from the pilot run, not from time, and each round has light paths
+/// of its own.
 #[test]
 fn a_render_is_repeatable() {
     let mut scene = scenes::room(scenes::mirror(0.9), 1.0);
     scene.film = FilmSize { width: 20, height: 15 };
     let prepared = prepare(&scene);
     for sampling in [Sampling::UNIFORM, Sampling { allocator: Runs, ..Sampling::UNIFORM }] {
-        let settings =
-            Settings { integrator: IntegratorKind::Lvc, sampling, independent_sampler: false, ..settings(&scene) };
+        let settings = Settings {
+            integrator: IntegratorKind::Lvc,
+            sampling,
+            independent_sampler: false,
+            ..settings(&scene)
+        };
         let film = |executor: &Hindered| {
             let mut renderer = Renderer::new(executor, &prepared, &settings).unwrap();
-            run(&mut renderer, Budget { samples: Some(40), time: None }, &|| false, &mut |_| ()).unwrap();
+            run(&mut renderer, Budget { samples: Some(40), time: None }, &|| false, &mut |_| ())
+                .unwrap();
             renderer.film().unwrap()
         };
         let slow = Hindered::new(1 << 20);
-        let fast = Hindered { slow_batches: SlowBatches::new(&kernels::trace_eye_paths, 0), ..Hindered::new(1 << 20) };
+        let fast = Hindered {
+            slow_batches: SlowBatches::new(&kernels::trace_eye_paths, 0),
+            ..Hindered::new(1 << 20)
+        };
         assert_eq!(film(&slow), film(&fast), "{:?}", sampling.allocator);
     }
     let lengths = rounds(&CpuExecutor, &prepared, &lvc(&scene, 50), 2, 1);
     assert_ne!(lengths[0], lengths[1], "rounds differ");
 }
 
-/// Without connections what is left is the path tracer, number for number: the paths, their roulette, their weights.
+/// Without connections what is left is the path tracer, number for number: the paths, their
+/// roulette, their weights.
 #[test]
 fn without_connections_it_is_the_path_tracer() {
     for (name, scene) in [
@@ -130,17 +151,27 @@ fn without_connections_it_is_the_path_tracer() {
         let expected = render(&prepared, &path_tracer, 32);
         let techniques = BidirectionalTechniques::WithoutConnections;
         let light_cache = LightCacheSettings { techniques, ..Default::default() };
-        let film = render(&prepared, &Settings { integrator: IntegratorKind::Lvc, light_cache, ..path_tracer }, 32);
+        let film = render(
+            &prepared,
+            &Settings { integrator: IntegratorKind::Lvc, light_cache, ..path_tracer },
+            32,
+        );
         for (pixel, (a, b)) in film.color().iter().zip(expected.color()).enumerate() {
-            assert!((*a - b).abs().max_element() <= 1e-4 * b.max_element(), "{name}, pixel {pixel}: {a} and {b}");
+            assert!(
+                (*a - b).abs().max_element() <= 1e-4 * b.max_element(),
+                "{name}, pixel {pixel}: {a} and {b}"
+            );
         }
-        let rays = |film: &raystream::film::Film| film.radiance.iter().map(|p| u64::from(p.rays)).sum::<u64>();
+        let rays = |film: &raystream::film::Film| {
+            film.radiance.iter().map(|p| u64::from(p.rays)).sum::<u64>()
+        };
         let (rays, expected) = (rays(&film), rays(&expected));
         assert!(rays <= expected, "{name}: {rays} rays, {expected} of the path tracer");
     }
 }
 
-/// Nothing but a background, or paths too short to be connected: there is no cache, and nothing is traced for it.
+/// Nothing but a background, or paths too short to be connected: there is no cache, and nothing is
+/// traced for it.
 #[test]
 fn without_a_cache_it_is_the_path_tracer() {
     let mut dark = scenes::empty(Vec3::new(0.0, 0.3, 4.0), Vec3::ZERO);
@@ -150,7 +181,8 @@ fn without_a_cache_it_is_the_path_tracer() {
         let prepared = prepare(&scene);
         let path_tracer = Settings { background: Vec3::ONE, max_depth, ..settings(&scene) };
         let expected = render(&prepared, &path_tracer, 8);
-        let film = render(&prepared, &Settings { integrator: IntegratorKind::Lvc, ..path_tracer }, 8);
+        let film =
+            render(&prepared, &Settings { integrator: IntegratorKind::Lvc, ..path_tracer }, 8);
         for (a, b) in film.color().iter().zip(expected.color()) {
             assert!((*a - b).abs().max_element() <= 1e-4 * b.max_element(), "{a} and {b}");
         }
@@ -170,7 +202,10 @@ fn an_empty_cache_is_no_trouble() {
     test(render(&prepared, &Settings { integrator: IntegratorKind::Lvc, ..settings(&scene) }, 4));
     with_gpu(|gpu| {
         let film = render_on(gpu, &prepared, &lvc(&scene, 100), 4);
-        assert!(film.color().iter().all(|color| color.is_finite()) && film.color()[6 * 16 + 8] == Vec3::splat(2.0));
+        assert!(
+            film.color().iter().all(|color| color.is_finite())
+                && film.color()[6 * 16 + 8] == Vec3::splat(2.0)
+        );
     });
 }
 
@@ -182,11 +217,16 @@ fn every_allocator_renders_with_it() {
         let sampling = Sampling { allocator, initial_samples: 4, ..Sampling::UNIFORM };
         let settings = Settings { sampling, ..lvc(&scene, 400) };
         let mut renderer = Renderer::new(&CpuExecutor, &prepared, &settings).unwrap();
-        let outcome = run(&mut renderer, Budget { samples: Some(24), time: None }, &|| false, &mut |_| ()).unwrap();
+        let outcome =
+            run(&mut renderer, Budget { samples: Some(24), time: None }, &|| false, &mut |_| ())
+                .unwrap();
         let film = renderer.film().unwrap();
         let samples: u64 = film.radiance.iter().map(|pixel| u64::from(pixel.samples)).sum();
         assert_eq!((samples, outcome.paths), (24 * 192, 24 * 192), "{allocator:?}");
-        assert!(film.color().iter().all(|color| color.is_finite() && color.max_element() > 0.0), "{allocator:?}");
+        assert!(
+            film.color().iter().all(|color| color.is_finite() && color.max_element() > 0.0),
+            "{allocator:?}"
+        );
     }
 }
 
@@ -196,6 +236,7 @@ fn too_many_light_paths_are_refused() {
     let mut scene = scenes::room(scenes::mirror(0.9), 1.0);
     scene.limits.max_depth = 1 << 20;
     let prepared = prepare(&scene);
-    let error = Renderer::new(&CpuExecutor, &prepared, &lvc(&scene, 1 << 22)).err().expect("too many");
+    let error =
+        Renderer::new(&CpuExecutor, &prepared, &lvc(&scene, 1 << 22)).err().expect("too many");
     assert!(error.to_string().contains("--light-paths"), "{error}");
 }

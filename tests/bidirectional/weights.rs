@@ -1,15 +1,16 @@
-//! The weights of all techniques that could make a path, as the kernels find them from both its ends, against their definition, evaluated
-//! over all densities of the whole path.
+//! The weights of all techniques that could make a path, as the kernels find them from both its
+//! ends, against their definition, evaluated over all densities of the whole path.
 
 use super::common::scenes::{diffuse, glass, mirror};
 use glam::{DVec3, Vec3};
-use raystream_shaders::lvc::mis::{
-    Join, Subpath, TechniqueSamples, connection_weight, cosine, emission_weight, lambert, light_weight,
+use raystream_shaders::integrator::lvc::mis::{
+    Join, Subpath, TechniqueSamples, connection_weight, cosine, emission_weight, lambert,
+    light_weight,
 };
-use raystream_shaders::material::{BsdfSample, DIELECTRIC, DIFFUSE, Material};
-use raystream_shaders::ray::SurfacePoint;
-use raystream_shaders::sampler::{hash, unit_float};
-use raystream_shaders::surface::Surface;
+use raystream_shaders::math::random::{hash, unit_float};
+use raystream_shaders::scene::bsdf::{BsdfSample, DIELECTRIC, DIFFUSE, Material};
+use raystream_shaders::scene::ray::SurfacePoint;
+use raystream_shaders::scene::surface::Surface;
 use std::f64::consts::PI;
 
 /// A vertex of a path, seen from nowhere in particular.
@@ -51,7 +52,8 @@ impl Random {
         }
     }
 
-    /// A path of at most 8 segments, a third of its surfaces specular, where no direction grazes a surface.
+    /// A path of at most 8 segments, a third of its surfaces specular, where no direction grazes a
+    /// surface.
     fn path(&mut self, world: f32) -> Path {
         let segments = 1 + (self.number() * 8.0) as usize;
         loop {
@@ -90,7 +92,8 @@ impl Path {
         (self.vertices[to].position - self.vertices[from].position).normalize()
     }
 
-    /// Whether diffuse surfaces and mirrors are on one side of their shading frame, and nothing grazes.
+    /// Whether diffuse surfaces and mirrors are on one side of their shading frame, and nothing
+    /// grazes.
     fn is_possible(&self) -> bool {
         (0..self.segments()).all(|i| {
             let vertex = &self.vertices[i];
@@ -99,11 +102,16 @@ impl Path {
             if i > 0 {
                 neighbours.push(i - 1);
             }
-            let grazes = |n: Vec3| neighbours.iter().any(|&other| towards(other).dot(n).abs() < 1e-2);
-            let crosses = i > 0 && towards(i - 1).dot(vertex.shading) * towards(i + 1).dot(vertex.shading) < 0.0;
+            let grazes =
+                |n: Vec3| neighbours.iter().any(|&other| towards(other).dot(n).abs() < 1e-2);
+            let crosses = i > 0
+                && towards(i - 1).dot(vertex.shading) * towards(i + 1).dot(vertex.shading) < 0.0;
             let leaves = i > 0 || towards(1).dot(vertex.geometric) > 0.0;
             let may_cross = vertex.material.kind == DIELECTRIC;
-            !grazes(vertex.geometric) && !grazes(vertex.shading) && (!crosses || may_cross) && leaves
+            !grazes(vertex.geometric)
+                && !grazes(vertex.shading)
+                && (!crosses || may_cross)
+                && leaves
         })
     }
 
@@ -112,14 +120,16 @@ impl Path {
         i == 0 || self.vertices[i].material.kind == DIFFUSE
     }
 
-    /// Whether there is a technique with `s` vertices from the light. That with the camera alone on the other side is light tracing.
+    /// Whether there is a technique with `s` vertices from the light. That with the camera alone on
+    /// the other side is light tracing.
     fn exists(&self, s: usize) -> bool {
         s == 0 || s < self.segments() && self.is_diffuse(s - 1) && self.is_diffuse(s)
     }
 
-    /// Density per solid angle of the direction from `at` to `to`, for a path that comes from `from`. Of specular surfaces all that counts is its ratio
-    /// to that of the way back, which is here said of the path from the camera: refraction maps solid angles onto each other such that n^2 cos dw is
-    /// the same on both sides.
+    /// Density per solid angle of the direction from `at` to `to`, for a path that comes from
+    /// `from`. Of specular surfaces all that counts is its ratio to that of the way back, which is
+    /// here said of the path from the camera: refraction maps solid angles onto each other such
+    /// that n^2 cos dw is the same on both sides.
     fn solid_angle_pdf(&self, from: usize, at: usize, to: usize) -> f64 {
         let vertex = &self.vertices[at];
         let shading = vertex.shading.as_dvec3();
@@ -136,7 +146,8 @@ impl Path {
 
     /// A density per solid angle at `from`, as one per area at `to`.
     fn per_area(&self, pdf: f64, from: usize, to: usize) -> f64 {
-        let offset: DVec3 = self.vertices[to].position.as_dvec3() - self.vertices[from].position.as_dvec3();
+        let offset: DVec3 =
+            self.vertices[to].position.as_dvec3() - self.vertices[from].position.as_dvec3();
         let cosine = offset.normalize().dot(self.vertices[to].geometric.as_dvec3()).abs();
         pdf * cosine / offset.length_squared()
     }
@@ -154,9 +165,14 @@ impl Path {
         self.direction(0, 1).as_dvec3().dot(self.vertices[0].geometric.as_dvec3()).abs() / PI
     }
 
-    /// Density per area with which a path from the camera finds vertex `i`; that of the first is the same for all techniques.
+    /// Density per area with which a path from the camera finds vertex `i`; that of the first is
+    /// the same for all techniques.
     fn camera_density(&self, i: usize) -> f64 {
-        if i + 1 == self.segments() { 1.0 } else { self.per_area(self.solid_angle_pdf(i + 2, i + 1, i), i + 1, i) }
+        if i + 1 == self.segments() {
+            1.0
+        } else {
+            self.per_area(self.solid_angle_pdf(i + 2, i + 1, i), i + 1, i)
+        }
     }
 
     /// The weights by their definition.
@@ -212,7 +228,9 @@ impl Path {
         let last = self.segments();
         let first = self.arrived(Subpath::FROM_CAMERA, last, last - 1);
         let connection = self.samples.connection;
-        (s + 1..last).rev().fold(first, |path, at| self.extended(path, [at + 1, at, at - 1], connection))
+        (s + 1..last)
+            .rev()
+            .fold(first, |path, at| self.extended(path, [at + 1, at, at - 1], connection))
     }
 
     /// The path from the light up to vertex `s - 1`, which is not on the light.
@@ -220,7 +238,9 @@ impl Path {
         let leaving = cosine(self.vertices[0].geometric, self.direction(0, 1));
         let emitted = Subpath::from_light(self.light_pdf).emit(leaving, self.samples.emission);
         let first = self.arrived(emitted, 0, 1);
-        (1..s - 1).fold(first, |path, at| self.extended(path, [at - 1, at, at + 1], self.samples.of(at as u32)))
+        (1..s - 1).fold(first, |path, at| {
+            self.extended(path, [at - 1, at, at + 1], self.samples.of(at as u32))
+        })
     }
 
     /// [`Subpath::norm`] at vertex `at`, where the path comes from `from`.
@@ -243,7 +263,8 @@ impl Path {
         let eye_pdf = lambert(cosine(self.vertices[s].shading, direction));
         let light_cosine = cosine(self.vertices[s - 1].geometric, direction);
         if s == 1 {
-            let join = Join::new(distance2, eye_cosine, eye_pdf, light_cosine, lambert(light_cosine));
+            let join =
+                Join::new(distance2, eye_cosine, eye_pdf, light_cosine, lambert(light_cosine));
             return light_weight(samples, &join, norm, self.light_pdf);
         }
         let light_pdf = lambert(cosine(self.vertices[s - 1].shading, direction));
@@ -273,19 +294,31 @@ fn every_weight_is_that_of_the_definition() {
                     path.segments()
                 );
             }
-            assert!((sum - 1.0).abs() <= 1e-4, "{} segments: the weights sum to {sum}", path.segments());
+            assert!(
+                (sum - 1.0).abs() <= 1e-4,
+                "{} segments: the weights sum to {sum}",
+                path.segments()
+            );
         }
     }
-    assert!(techniques[..8].iter().all(|&paths| paths > 500), "too few paths of some kind: {techniques:?}");
+    assert!(
+        techniques[..8].iter().all(|&paths| paths > 500),
+        "too few paths of some kind: {techniques:?}"
+    );
 }
 
 /// What has no samples has no weight, and the others still sum to 1.
 #[test]
 fn techniques_can_be_left_out() {
     let mut random = Random(5);
-    for [emission, light, connection] in [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 2.0], [1e-3, 1e-3, 2.0]] {
+    for [emission, light, connection] in
+        [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 2.0], [1e-3, 1e-3, 2.0]]
+    {
         for _ in 0..5_000 {
-            let path = Path { samples: TechniqueSamples { emission, light, connection }, ..random.path(1.0) };
+            let path = Path {
+                samples: TechniqueSamples { emission, light, connection },
+                ..random.path(1.0)
+            };
             let mut sum = 0.0;
             for s in (0..path.segments()).filter(|&s| path.exists(s)) {
                 let weight = path.weight(s);

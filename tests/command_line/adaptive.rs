@@ -21,13 +21,19 @@ const OPTIONS: [&str; 12] = [
 
 /// Renders with `arguments`; the layers and what the header says of each setting.
 #[track_caller]
-fn layers(folder: &Path, arguments: &str) -> (LayeredImage, impl Fn(&str) -> Option<String> + use<>) {
+fn layers(
+    folder: &Path,
+    arguments: &str,
+) -> (LayeredImage, impl Fn(&str) -> Option<String> + use<>) {
     render(folder, &format!("{arguments} -o x.exr")).succeeded();
     let path = folder.join("x.exr");
     let settings = read_settings(&path).unwrap();
     let setting = move |name: &str| {
         let suffix = format!(".{name}");
-        settings.iter().find(|(key, _)| *key == name || key.ends_with(&suffix)).map(|(_, value)| value.clone())
+        settings
+            .iter()
+            .find(|(key, _)| *key == name || key.ends_with(&suffix))
+            .map(|(_, value)| value.clone())
     };
     (read_layers(&path).unwrap(), setting)
 }
@@ -45,7 +51,10 @@ fn every_allocator_writes_its_layers_and_settings() {
             for name in ["filtered.R", "filtered.G", "filtered.B", "error.V"] {
                 let channel = image.channel(name);
                 assert_eq!(channel.is_some(), adaptive, "{name} of {arguments}");
-                assert!(channel.is_none_or(|values| values.iter().all(|v| v.is_finite())), "{name} of {arguments}");
+                assert!(
+                    channel.is_none_or(|values| values.iter().all(|v| v.is_finite())),
+                    "{name} of {arguments}"
+                );
             }
             let samples = image.channel("samples.N").expect("every render has sample counts");
             assert_eq!(samples.iter().sum::<f32>(), 8.0 * 16.0 * 12.0, "{arguments}");
@@ -53,10 +62,17 @@ fn every_allocator_writes_its_layers_and_settings() {
 
             assert_eq!(setting("allocator").as_deref(), Some(allocator));
             assert_eq!(setting("samples").as_deref(), Some("8"));
-            for (name, value) in
-                [("estimator", estimator), ("relative", "true"), ("initial_spp", "2"), ("round_budget", "1.5")]
-            {
-                assert_eq!(setting(name).as_deref(), adaptive.then_some(value), "{name} of {arguments}");
+            for (name, value) in [
+                ("estimator", estimator),
+                ("relative", "true"),
+                ("initial_spp", "2"),
+                ("round_budget", "1.5"),
+            ] {
+                assert_eq!(
+                    setting(name).as_deref(),
+                    adaptive.then_some(value),
+                    "{name} of {arguments}"
+                );
             }
             assert_eq!(setting("noise"), None);
         }
@@ -67,7 +83,8 @@ fn every_allocator_writes_its_layers_and_settings() {
 fn the_noise_ends_a_render() {
     let folder = tempfile::tempdir().unwrap();
     for allocator in ["uniform", "paper", "atomic", "runs"] {
-        let (image, setting) = layers(folder.path(), &format!("--allocator {allocator} --noise 0.5 --size 16x12"));
+        let (image, setting) =
+            layers(folder.path(), &format!("--allocator {allocator} --noise 0.5 --size 16x12"));
         assert_eq!(setting("noise").as_deref(), Some("0.5"));
         assert!(image.channel("error.V").is_some(), "{allocator} has estimated errors");
     }

@@ -16,7 +16,10 @@ fn pictures() -> tempfile::TempDir {
 fn compare_measures_the_difference() {
     let folder = pictures();
     let json = |arguments: &str| -> serde_json::Value {
-        serde_json::from_str(&run(folder.path(), &format!("compare --json {arguments}")).succeeded().stdout).unwrap()
+        serde_json::from_str(
+            &run(folder.path(), &format!("compare --json {arguments}")).succeeded().stdout,
+        )
+        .unwrap()
     };
     let equal = json("a.exr same.exr");
     assert_eq!(equal["rmse"], 0.0);
@@ -25,7 +28,8 @@ fn compare_measures_the_difference() {
     let text = run(folder.path(), "compare a.exr same.exr").succeeded().stdout;
     assert!(text.starts_with("RMSE            0.000000\n"), "{text}");
     run(folder.path(), "compare a.png a.png").succeeded();
-    let agreement = run(folder.path(), "compare a.exr b.exr --reference-samples 4").succeeded().stdout;
+    let agreement =
+        run(folder.path(), "compare a.exr b.exr --reference-samples 4").succeeded().stdout;
     assert!(agreement.contains("agreement"), "{agreement}");
 }
 
@@ -41,7 +45,11 @@ fn compare_draws_the_difference() {
         "where nothing differs it is white"
     );
     let before = std::fs::read(folder.path().join("b.exr")).unwrap();
-    run(folder.path(), "compare a.exr b.exr -o ./b.exr").failed(&["b.exr", "replace", "another file"]);
+    run(folder.path(), "compare a.exr b.exr -o ./b.exr").failed(&[
+        "b.exr",
+        "replace",
+        "another file",
+    ]);
     assert_eq!(std::fs::read(folder.path().join("b.exr")).unwrap(), before);
 }
 
@@ -76,9 +84,15 @@ fn lists() {
     );
     assert!(!devices.stdout.contains("CPU, CPU"), "{}", devices.stdout);
     let scenes = run(folder.path(), "scenes").succeeded().stdout;
-    for part in
-        ["cornell_ball (the default)", "cornell_glass", "opening", "caustics", "sibenik", "conference", "https://"]
-    {
+    for part in [
+        "cornell_ball (the default)",
+        "cornell_glass",
+        "opening",
+        "caustics",
+        "sibenik",
+        "conference",
+        "https://",
+    ] {
         assert!(scenes.contains(part), "{scenes}");
     }
 }
@@ -87,11 +101,24 @@ fn lists() {
 fn measurements() {
     let folder = tempfile::tempdir().unwrap();
     let rays =
-        run(folder.path(), "bench rays --device cpu --size 16x12 --repetitions 2 --checks 20").succeeded().stdout;
-    for part in ["cornell_ball", "16x12", "primary", "diffuse bounce", "shadow", "Mrays/s", "20 rays checked"] {
+        run(folder.path(), "bench rays --device cpu --size 16x12 --repetitions 2 --checks 20")
+            .succeeded()
+            .stdout;
+    for part in [
+        "cornell_ball",
+        "16x12",
+        "primary",
+        "diffuse bounce",
+        "shadow",
+        "Mrays/s",
+        "20 rays checked",
+    ] {
         assert!(rays.contains(part), "{part} is not in {rays}");
     }
-    let paths = run(folder.path(), "bench paths cornell_ball cornell_glass --device cpu --size 16x12 --time 0.2");
+    let paths = run(
+        folder.path(),
+        "bench paths cornell_ball cornell_glass --device cpu --size 16x12 --time 0.2",
+    );
     let paths = paths.succeeded().stdout;
     for part in ["cornell_ball", "cornell_glass", "Mpaths/s", "tracing"] {
         assert!(paths.contains(part), "{part} is not in {paths}");
@@ -108,8 +135,11 @@ fn a_reader_may_leave_early() {
         &["render", "--help"],
         &["bench", "paths", "--device", "cpu", "--size", "4x3", "--time", "0.1"],
     ] {
-        let mut child =
-            program(folder.path(), arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut child = program(folder.path(), arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
         drop(child.stdout.take());
         let run = crate::program::Run::new(child.wait_with_output().unwrap()).succeeded();
         assert_eq!(run.stderr, "");

@@ -14,9 +14,13 @@ fn tiny(folder: &Path) -> Run {
 #[test]
 fn everything_is_written() {
     let folder = tempfile::tempdir().unwrap();
-    let stdout =
-        tiny(folder.path()).says(&["rendering the reference by regeneration with 32", "uniform, 1 of 1"]).stdout;
-    assert!(stdout.contains("## cornell_ball@16x12") && stdout.contains("runs-bilateral"), "{stdout}");
+    let stdout = tiny(folder.path())
+        .says(&["rendering the reference by regeneration with 32", "uniform, 1 of 1"])
+        .stdout;
+    assert!(
+        stdout.contains("## cornell_ball@16x12") && stdout.contains("runs-bilateral"),
+        "{stdout}"
+    );
     let out = folder.path().join("out");
     assert_eq!(names(&out), ["cornell_ball@16x12", "report.md"]);
     let scene = out.join("cornell_ball@16x12");
@@ -35,7 +39,8 @@ fn everything_is_written() {
     ];
     assert_eq!(names(&scene), files);
     let size = |picture: &str| {
-        let picture = raystream::image::read_color(&scene.join("equal-time").join(picture)).unwrap();
+        let picture =
+            raystream::image::read_color(&scene.join("equal-time").join(picture)).unwrap();
         (picture.width, picture.height)
     };
     assert_eq!([size("reference.png"), size("uniform.png")], [(16, 12); 2]);
@@ -44,7 +49,8 @@ fn everything_is_written() {
 
     let curves = csv(&scene.join("curves.csv"));
     let uniform: Vec<_> = curves.iter().filter(|row| row["configuration"] == "uniform").collect();
-    let samples: Vec<_> = uniform.iter().map(|row| row["samples_per_pixel"].parse::<f64>().unwrap()).collect();
+    let samples: Vec<_> =
+        uniform.iter().map(|row| row["samples_per_pixel"].parse::<f64>().unwrap()).collect();
     assert_eq!(samples, [1.0, 2.0, 3.0, 4.0, 6.0, 8.0]);
     for pair in uniform.windows(2) {
         let number = |row: usize, name: &str| pair[row][name].parse::<f64>().unwrap();
@@ -54,7 +60,10 @@ fn everything_is_written() {
     for row in &curves {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
         // A thousandth of so few pixels is none: both are one, but for the order of their sum.
-        assert!(number("rmse") > 0.0 && (number("trimmed_rmse") / number("rmse") - 1.0).abs() < 1e-12, "{row:?}");
+        assert!(
+            number("rmse") > 0.0 && (number("trimmed_rmse") / number("rmse") - 1.0).abs() < 1e-12,
+            "{row:?}"
+        );
     }
     assert!(curves.iter().any(|row| row["configuration"] == "runs-bilateral"));
 
@@ -63,9 +72,13 @@ fn everything_is_written() {
     assert!(rounds.iter().all(|row| row["tracing_ms"].parse::<f64>().unwrap() > 0.0));
     let speedups = csv(&scene.join("speedups.csv"));
     assert_eq!(speedups.len(), 2, "one level, with and without the worst pixels");
-    assert!(speedups.iter().all(|row| row["uniform_samples"] == "4" && row["baseline"] == "uniform"));
+    assert!(
+        speedups.iter().all(|row| row["uniform_samples"] == "4" && row["baseline"] == "uniform")
+    );
     let report = std::fs::read_to_string(out.join("report.md")).unwrap();
-    for part in ["runs-bilateral", "cornell_ball@16x12/convergence.svg", "equal-time/uniform-error.png"] {
+    for part in
+        ["runs-bilateral", "cornell_ball@16x12/convergence.svg", "equal-time/uniform-error.png"]
+    {
         assert!(report.contains(part), "{part} is not in {report}");
     }
 }
@@ -97,14 +110,18 @@ fn the_reference_is_kept_and_checked() {
     tiny(folder.path()).says(&["cannot be used", "differs in kernels"]);
 
     // Another depth is another picture, beside the first.
-    run(folder.path(), &format!("{TINY} --max-depth 3")).succeeded().says(&["rendering the reference"]);
+    run(folder.path(), &format!("{TINY} --max-depth 3"))
+        .succeeded()
+        .says(&["rendering the reference"]);
     assert_eq!(names(&cache).len(), 2);
 
     // And so is one by another integrator, whose light paths count.
     let by_lvc = format!("{TINY} --reference-integrator lvc");
     run(folder.path(), &by_lvc).succeeded().says(&["rendering the reference by lvc with 32"]);
     run(folder.path(), &by_lvc).succeeded().says(&["reference from"]);
-    run(folder.path(), &format!("{by_lvc} --connections 3")).succeeded().says(&["rendering the reference by lvc"]);
+    run(folder.path(), &format!("{by_lvc} --connections 3"))
+        .succeeded()
+        .says(&["rendering the reference by lvc"]);
     assert_eq!(names(&cache).len(), 4);
     // They count for no other.
     tiny(folder.path());
@@ -119,7 +136,11 @@ fn integrators_are_set_against_each_other() {
                    --initial-spp 2 --reference-spp 32 --repetitions 2 --allocators runs,atomic --cache cache --output out";
     let stdout = run(folder.path(), command)
         .succeeded()
-        .says(&["rendering the reference by lvc with 32", "streaming-uniform, 2 of 2", "lvc-runs-bilateral, 1 of 2"])
+        .says(&[
+            "rendering the reference by lvc with 32",
+            "streaming-uniform, 2 of 2",
+            "lvc-runs-bilateral, 1 of 2",
+        ])
         .stdout;
     for part in [
         "integrators: streaming, lvc\n",
@@ -171,7 +192,8 @@ fn integrators_are_set_against_each_other() {
     for file in ["equal_time.csv", "smallest.csv"] {
         let rows = csv(&scene.join(file));
         assert!(
-            rows.iter().any(|row| row["configuration"] == "lvc-runs-bilateral" && row["baseline"] == "lvc-uniform")
+            rows.iter().any(|row| row["configuration"] == "lvc-runs-bilateral"
+                && row["baseline"] == "lvc-uniform")
         );
         assert!(rows.iter().all(|row| row["baseline"].ends_with("-uniform")), "{rows:?}");
     }
@@ -188,9 +210,16 @@ fn one_integrator_is_in_no_name() {
         .says(&["rendering the reference by regeneration", "uniform, 1 of 1"]);
     let scene = folder.path().join("out/cornell_ball@16x12");
     let speedups = csv(&scene.join("speedups.csv"));
-    assert!(speedups.iter().all(|row| row["configuration"] == "runs-bilateral" && row["baseline"] == "uniform"));
+    assert!(
+        speedups
+            .iter()
+            .all(|row| row["configuration"] == "runs-bilateral" && row["baseline"] == "uniform")
+    );
     let report = std::fs::read_to_string(folder.path().join("out/report.md")).unwrap();
-    assert!(report.contains("integrator: lvc\n") && !report.contains("each integrator by itself"), "{report}");
+    assert!(
+        report.contains("integrator: lvc\n") && !report.contains("each integrator by itself"),
+        "{report}"
+    );
 }
 
 #[test]

@@ -21,15 +21,19 @@ fn every_integrator_renders_the_same_picture() {
     for (name, other) in ALL[1..].iter().zip(others) {
         assert_eq!(other, expected, "{name}");
     }
-    run(folder.path(), "render --device cpu --integrator photons").failed(&["--integrator", "photons", "streaming"]);
+    run(folder.path(), "render --device cpu --integrator photons").failed(&[
+        "--integrator",
+        "photons",
+        "streaming",
+    ]);
 }
 
 #[test]
 fn everything_is_measured() {
     let folder = tempfile::tempdir().unwrap();
-    let tiny =
-        "bench integrators cornell_ball@24x16 --device cpu --time 0.05 --repetitions 2 --stream 1000 --output out";
-    let stdout = run(folder.path(), tiny).succeeded().says(&["streaming, 2 of 2", "out/report.md"]).stdout;
+    let tiny = "bench integrators cornell_ball@24x16 --device cpu --time 0.05 --repetitions 2 --stream 1000 --output out";
+    let stdout =
+        run(folder.path(), tiny).succeeded().says(&["streaming, 2 of 2", "out/report.md"]).stdout;
     let out = folder.path().join("out");
     assert_eq!(names(&out), ["cornell_ball@24x16", "report.md"]);
     let scene = out.join("cornell_ball@24x16");
@@ -39,9 +43,13 @@ fn everything_is_measured() {
     for row in &rows {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
         assert_eq!(number("identical_share"), 1.0, "{row:?}");
-        assert!(number("z_score").abs() < 5.0 && number("mean") > 0.0 && number("mean_error") > 0.0, "{row:?}");
         assert!(
-            number("mpaths_per_second") > 0.0 && number("mrays_per_second") > number("mpaths_per_second"),
+            number("z_score").abs() < 5.0 && number("mean") > 0.0 && number("mean_error") > 0.0,
+            "{row:?}"
+        );
+        assert!(
+            number("mpaths_per_second") > 0.0
+                && number("mrays_per_second") > number("mpaths_per_second"),
             "{row:?}"
         );
         assert!(stdout.contains(&row["integrator"]), "{stdout}");
@@ -59,26 +67,36 @@ fn everything_is_measured() {
     }
     // The segments of all paths are as many, counted on the device or by the paths' lengths.
     assert_eq!(segments.len(), ALL.len());
-    assert!(segments.values().all(|&count| count == segments["megakernel"] && count > 1000), "{segments:?}");
+    assert!(
+        segments.values().all(|&count| count == segments["megakernel"] && count > 1000),
+        "{segments:?}"
+    );
     let plot = std::fs::read_to_string(scene.join("lanes.svg")).unwrap();
     for part in ALL.iter().chain(&["lanes that wait", "iteration"]) {
         assert!(plot.contains(part), "{part} is not in the plot");
     }
     let report = std::fs::read_to_string(out.join("report.md")).unwrap();
-    assert!(report.contains("cornell_ball@24x16/lanes.svg") && report.contains("identical slots"), "{report}");
+    assert!(
+        report.contains("cornell_ball@24x16/lanes.svg") && report.contains("identical slots"),
+        "{report}"
+    );
 }
 
 #[test]
 fn some_are_measured() {
     let folder = tempfile::tempdir().unwrap();
     let tiny = "bench integrators cornell_ball@16x12 --device cpu --time 0.02 --repetitions 1 --stream 100 --quiet";
-    for (arguments, expected) in
-        [("--integrators streaming,megakernel", "streaming"), ("--integrator compaction", "compaction")]
-    {
+    for (arguments, expected) in [
+        ("--integrators streaming,megakernel", "streaming"),
+        ("--integrator compaction", "compaction"),
+    ] {
         let run = run(folder.path(), &format!("{tiny} {arguments} --output out")).succeeded();
         assert_eq!(run.stderr, "");
         let rows = csv(&folder.path().join("out/cornell_ball@16x12/integrators.csv"));
-        assert_eq!(rows.iter().map(|row| row["integrator"].as_str()).collect::<Vec<_>>(), ["megakernel", expected]);
+        assert_eq!(
+            rows.iter().map(|row| row["integrator"].as_str()).collect::<Vec<_>>(),
+            ["megakernel", expected]
+        );
     }
 }
 

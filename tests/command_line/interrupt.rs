@@ -9,8 +9,12 @@ use std::time::{Duration, Instant};
 
 /// A render that would take days; returned once it is under way.
 fn start(folder: &Path) -> (Child, String, impl BufRead + use<>) {
-    let arguments = ["render", "--device", "cpu", "--size", "64x48", "--spp", "16000000", "-o", "a.exr", "-o", "b.png"];
-    let mut child = program(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let arguments = [
+        "render", "--device", "cpu", "--size", "64x48", "--spp", "16000000", "-o", "a.exr", "-o",
+        "b.png",
+    ];
+    let mut child =
+        program(folder, &arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut stderr = BufReader::new(child.stderr.take().unwrap());
     let mut said = String::new();
     // The line of progress after some seconds shows that samples have been taken.
@@ -21,7 +25,13 @@ fn start(folder: &Path) -> (Child, String, impl BufRead + use<>) {
 }
 
 fn signal(child: &Child, name: &str) {
-    assert!(Command::new("kill").args([format!("-{name}"), child.id().to_string()]).status().unwrap().success());
+    assert!(
+        Command::new("kill")
+            .args([format!("-{name}"), child.id().to_string()])
+            .status()
+            .unwrap()
+            .success()
+    );
 }
 
 /// Waits for the end, not for ever.
@@ -47,7 +57,8 @@ fn writes_what_there_is() {
         let folder = tempfile::tempdir().unwrap();
         let (child, said, stderr) = start(folder.path());
         signal(&child, name);
-        let run = finish(child, said, stderr).says(&["interrupted after", "wrote a.exr", "wrote b.png"]);
+        let run =
+            finish(child, said, stderr).says(&["interrupted after", "wrote a.exr", "wrote b.png"]);
         assert_eq!(run.status, Some(130));
         assert_eq!(names(folder.path()), ["a.exr", "b.png"]);
         let layers = raystream::image::read_layers(&folder.path().join("a.exr")).unwrap();

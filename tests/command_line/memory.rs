@@ -5,15 +5,23 @@ use crate::program::{Run, names, program, run};
 use std::io::Write;
 use std::process::Command;
 
-/// A software GPU takes the process's memory, so limiting that limits the GPU. (A real GPU's driver would not even start.)
+/// A software GPU takes the process's memory, so limiting that limits the GPU. (A real GPU's driver
+/// would not even start.)
 #[cfg(target_os = "linux")]
 #[test]
 fn a_gpu_without_enough_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let devices = Run::new(program(folder.path(), &["devices"]).output().unwrap()).succeeded().stdout;
+    let devices =
+        Run::new(program(folder.path(), &["devices"]).output().unwrap()).succeeded().stdout;
     let Some(gpu) = devices.lines().find(|line| line.contains("llvmpipe")) else {
-        let _ = writeln!(std::io::stderr(), "NOT TESTED: no software GPU here whose memory could be limited");
-        assert!(std::env::var_os("RAYSTREAM_REQUIRE_GPU").is_none() || devices.contains("GPU"), "{devices}");
+        let _ = writeln!(
+            std::io::stderr(),
+            "NOT TESTED: no software GPU here whose memory could be limited"
+        );
+        assert!(
+            std::env::var_os("RAYSTREAM_REQUIRE_GPU").is_none() || devices.contains("GPU"),
+            "{devices}"
+        );
         return;
     };
     let run = "ulimit -v 2500000 && exec \"$0\" render --size 4096x4096 --spp 1 --max-depth 1 -o a.png --device \"$1\"";

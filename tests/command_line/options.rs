@@ -67,7 +67,8 @@ fn the_help_of_every_command() {
         "--bvh",
         "--device",
     ];
-    let render = ["--output", "--spp", "[default: 64", "--time", "--exposure", "--tone-map", "--quiet"];
+    let render =
+        ["--output", "--spp", "[default: 64", "--time", "--exposure", "--tone-map", "--quiet"];
     let convergence = [
         "--allocators",
         "--estimators",
@@ -93,7 +94,10 @@ fn the_help_of_every_command() {
     ] {
         let help = run(folder.path(), &format!("{command} --help")).succeeded().stdout;
         for option in options {
-            assert!(help.contains(option), "the help of {command} does not mention {option}:\n{help}");
+            assert!(
+                help.contains(option),
+                "the help of {command} does not mention {option}:\n{help}"
+            );
         }
     }
 }

@@ -27,7 +27,8 @@ fn names_of_scenes_that_are_no_file_names() {
         ("Šibenik ☀", "Šibenik _.png"),
         (&long, &*format!("{}.png", long[..60].trim())),
     ] {
-        let scene = crate::scene_folder::SceneFolder::new().json(|scene| scene["name"] = name.into());
+        let scene =
+            crate::scene_folder::SceneFolder::new().json(|scene| scene["name"] = name.into());
         render(&scene.path(""), "scene.json --spp 1").succeeded();
         assert!(scene.path(file).is_file(), "{file} is not among {:?}", names(&scene.path("")));
     }
@@ -46,7 +47,8 @@ fn several_outputs() {
 fn layers_as_pictures() {
     let folder = folder();
     let beside = |name: &str| {
-        ["albedo", "depth", "error", "filtered", "normal", "samples"].map(|layer| format!("{name}.{layer}.png"))
+        ["albedo", "depth", "error", "filtered", "normal", "samples"]
+            .map(|layer| format!("{name}.{layer}.png"))
     };
     render(folder.path(), &format!("{TINY} --png-layers")).succeeded().says(&[
         "wrote cornell_ball.png\n",
@@ -59,12 +61,14 @@ fn layers_as_pictures() {
     assert_eq!(names(folder.path()), expected);
 
     let folder = self::folder();
-    render(folder.path(), &format!("{TINY} --png-layers -q -o a.exr -o b.png -o c.d.PNG")).succeeded();
+    render(folder.path(), &format!("{TINY} --png-layers -q -o a.exr -o b.png -o c.d.PNG"))
+        .succeeded();
     expected = ["a.exr", "b.png", "c.d.PNG"].map(str::to_owned).into();
     expected.extend(beside("b").into_iter().chain(beside("c.d")));
     expected.sort();
     assert_eq!(names(folder.path()), expected);
-    // Every pixel of the uniform render has the same count, and the legend is wider than the picture.
+    // Every pixel of the uniform render has the same count, and the legend is wider than the
+    // picture.
     let samples = raystream::image::read_color(&folder.path().join("b.samples.png")).unwrap();
     let first_row = &samples.pixels[..4];
     assert!(samples.width > 100 && first_row.iter().all(|color| *color == first_row[0]));
@@ -75,7 +79,11 @@ fn layers_as_pictures() {
 fn layers_that_cannot_be_written() {
     let folder = folder();
     refused_at_once(folder.path(), "a.exr --png-layers", &["--png-layers", ".png"]);
-    refused_at_once(folder.path(), "a.png -o a.depth.png --png-layers", &["a.depth.png", "written twice"]);
+    refused_at_once(
+        folder.path(),
+        "a.png -o a.depth.png --png-layers",
+        &["a.depth.png", "written twice"],
+    );
     refused_at_once(folder.path(), "a.png -o a.PNG --png-layers", &["a.", "twice"]);
     std::fs::create_dir(folder.path().join("a.normal.png")).unwrap();
     refused_at_once(folder.path(), "a.png --png-layers", &["a.normal.png", "name a file"]);
@@ -86,16 +94,19 @@ fn paths_in_any_script() {
     let folder = folder();
     let path = folder.path().join("ordner ☀ 日本");
     std::fs::create_dir(&path).unwrap();
-    let arguments = ["render", "--device", "cpu", "--size", "4x3", "--spp", "1", "-o", "bild – é.exr"];
+    let arguments =
+        ["render", "--device", "cpu", "--size", "4x3", "--spp", "1", "-o", "bild – é.exr"];
     assert!(program(&path, &arguments).output().unwrap().status.success());
     assert_eq!(names(&path), ["bild – é.exr"]);
 }
 
-/// Fails before anything is rendered: with this many samples, a render would take far longer than the tests.
+/// Fails before anything is rendered: with this many samples, a render would take far longer than
+/// the tests.
 #[track_caller]
 fn refused_at_once(folder: &Path, output: &str, parts: &[&str]) {
     let before = names(folder);
-    render(folder, &format!("--size 1000x1000 --spp 1000000 -o good.exr -o {output}")).failed(parts);
+    render(folder, &format!("--size 1000x1000 --spp 1000000 -o good.exr -o {output}"))
+        .failed(parts);
     assert_eq!(names(folder), before);
 }
 
@@ -118,7 +129,9 @@ fn a_folder_that_is_read_only() {
     std::fs::create_dir(&locked).unwrap();
     std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o555)).unwrap();
     if tempfile::tempfile_in(&locked).is_ok() {
-        eprintln!("NOT TESTED with a read-only folder of one's own: this user (root) may write everywhere");
+        eprintln!(
+            "NOT TESTED with a read-only folder of one's own: this user (root) may write everywhere"
+        );
     } else {
         refused_at_once(folder.path(), "locked/a.exr", &["locked/a.exr"]);
     }
@@ -138,9 +151,14 @@ fn a_full_disk() {
         }
     }
     let disk = folder();
-    let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"]).arg(disk.path()).output();
+    let mount = Command::new("mount")
+        .args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"])
+        .arg(disk.path())
+        .output();
     if !mount.is_ok_and(|output| output.status.success()) {
-        eprintln!("NOT TESTED: a full disk needs the right to mount a tmpfs; run the tests as root");
+        eprintln!(
+            "NOT TESTED: a full disk needs the right to mount a tmpfs; run the tests as root"
+        );
         return;
     }
     let disk = Mounted(disk);
@@ -148,7 +166,11 @@ fn a_full_disk() {
     let full = disk.0.path().join("a.exr");
     std::fs::write(&full, b"old").unwrap();
     let arguments = format!("--size 100x100 --spp 1 -o {} -o b.exr", full.display());
-    render(elsewhere.path(), &arguments).failed(&[full.to_str().unwrap(), "no space left", "wrote b.exr"]);
+    render(elsewhere.path(), &arguments).failed(&[
+        full.to_str().unwrap(),
+        "no space left",
+        "wrote b.exr",
+    ]);
     assert_eq!(std::fs::read(&full).unwrap(), b"old");
     assert_eq!(names(disk.0.path()), ["a.exr"]);
     assert_eq!(names(elsewhere.path()), ["b.exr"], "the other picture saves the render");

@@ -12,7 +12,11 @@ fn the_seed_decides_every_layer() {
         render(folder.path(), &format!("--size 16x12 --spp 5 --seed {seed} -o {name}")).succeeded();
         let image = read_layers(&folder.path().join(name)).unwrap();
         assert_eq!((image.width, image.height), (16, 12));
-        image.channels.into_iter().map(|c| (c.name, c.values.iter().map(|v| v.to_bits()).collect())).collect()
+        image
+            .channels
+            .into_iter()
+            .map(|c| (c.name, c.values.iter().map(|v| v.to_bits()).collect()))
+            .collect()
     };
     let first: Vec<(String, Vec<u32>)> = layers("a.exr", 7);
     assert!(first.len() > 3);
@@ -36,7 +40,10 @@ fn the_header_tells_how_it_was_made() {
         ("integrator", "regeneration"),
         ("version", env!("CARGO_PKG_VERSION")),
     ] {
-        assert!(settings.iter().any(|(key, text)| key.ends_with(name) && text == value), "{name} in {settings:?}");
+        assert!(
+            settings.iter().any(|(key, text)| key.ends_with(name) && text == value),
+            "{name} in {settings:?}"
+        );
     }
 }
 
@@ -44,18 +51,27 @@ fn the_header_tells_how_it_was_made() {
 fn bidirectional_renders_by_every_allocator() {
     let folder = tempfile::tempdir().unwrap();
     for allocator in ["uniform", "paper", "atomic", "runs"] {
-        let options = format!("opening --integrator lvc --allocator {allocator} --size 16x12 --spp 8 --initial-spp 2");
-        render(folder.path(), &format!("{options} --light-paths 300 --connections 2 -o a.exr")).succeeded();
+        let options = format!(
+            "opening --integrator lvc --allocator {allocator} --size 16x12 --spp 8 --initial-spp 2"
+        );
+        render(folder.path(), &format!("{options} --light-paths 300 --connections 2 -o a.exr"))
+            .succeeded();
         let image = read_layers(&folder.path().join("a.exr")).unwrap();
         assert!(image.channel("G").unwrap().iter().any(|&green| green > 0.0), "{allocator}");
         let settings = read_settings(&folder.path().join("a.exr")).unwrap();
         for (name, value) in [("integrator", "lvc"), ("light_paths", "300"), ("connections", "2")] {
-            assert!(settings.iter().any(|(key, text)| key.ends_with(name) && text == value), "{name} in {settings:?}");
+            assert!(
+                settings.iter().any(|(key, text)| key.ends_with(name) && text == value),
+                "{name} in {settings:?}"
+            );
         }
     }
     render(folder.path(), "--integrator lvc --size 16x12 --spp 8 -o a.exr").succeeded();
     let settings = read_settings(&folder.path().join("a.exr")).unwrap();
-    assert!(settings.iter().all(|(key, _)| !key.ends_with("light_paths")), "a pilot run decides: {settings:?}");
+    assert!(
+        settings.iter().all(|(key, _)| !key.ends_with("light_paths")),
+        "a pilot run decides: {settings:?}"
+    );
 }
 
 #[test]
@@ -74,10 +90,18 @@ fn the_time_limits() {
     render(folder.path(), "--size 16x12 --time 1 -o a.exr").succeeded().says(&["wrote a.exr"]);
     assert!(start.elapsed() >= Duration::from_secs(1));
     let settings = read_settings(&folder.path().join("a.exr")).unwrap();
-    let seconds = settings.iter().find(|(key, _)| key.ends_with("seconds")).unwrap().1.parse::<f64>().unwrap();
+    let seconds = settings
+        .iter()
+        .find(|(key, _)| key.ends_with("seconds"))
+        .unwrap()
+        .1
+        .parse::<f64>()
+        .unwrap();
     assert!((1.0..2.0).contains(&seconds), "{seconds} s of rendering");
     // Whichever comes first.
-    render(folder.path(), "--size 4x3 --time 1000 --spp 3 -o b.exr").succeeded().says(&["3 samples per pixel"]);
+    render(folder.path(), "--size 4x3 --time 1000 --spp 3 -o b.exr")
+        .succeeded()
+        .says(&["3 samples per pixel"]);
 }
 
 #[test]
@@ -102,7 +126,8 @@ fn quiet_says_nothing() {
 #[test]
 fn nobody_needs_to_read_along() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["render", "--device", "cpu", "--size", "4x3", "--spp", "1", "-vv", "-o", "a.exr"];
+    let arguments =
+        ["render", "--device", "cpu", "--size", "4x3", "--spp", "1", "-vv", "-o", "a.exr"];
     let mut command = program(folder.path(), &arguments);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stderr.take());

@@ -1,4 +1,5 @@
-//! Scenes that do not load, and those that load with a warning; the library's tests know every message, here is one of each kind.
+//! Scenes that do not load, and those that load with a warning; the library's tests know every
+//! message, here is one of each kind.
 
 use crate::program::{names, render, run};
 use crate::scene_folder::{MTL, OBJ, SceneFolder};
@@ -13,10 +14,12 @@ fn refused(scene: &SceneFolder, parts: &[&str]) {
     assert_eq!(names(&scene.path("")), before);
 }
 
-/// Rendering the folder's scene works, with a warning that says all of `parts`, also with `--quiet`.
+/// Rendering the folder's scene works, with a warning that says all of `parts`, also with
+/// `--quiet`.
 #[track_caller]
 fn warned(scene: &SceneFolder, parts: &[&str]) {
-    let run = render(&scene.path(""), "scene.json --spp 1 --quiet -o a.png").succeeded().says(parts);
+    let run =
+        render(&scene.path(""), "scene.json --spp 1 --quiet -o a.png").succeeded().says(parts);
     assert!(run.stderr.lines().all(|line| line.starts_with("warning: ")), "{}", run.stderr);
     assert!(scene.path("a.png").is_file());
 }
@@ -81,18 +84,26 @@ fn geometry_to_be_fetched_says_where_to_put_it() {
 #[test]
 fn geometry_that_is_wrong() {
     refused(&SceneFolder::new().with("a.obj", "v 0 0 0\nv 1 0 0\n"), &["a.obj", "face"]);
-    refused(&SceneFolder::new().with("a.obj", OBJ.replace("3//1", "9//1")), &["a.obj", "line 10", "vertex 9"]);
-    refused(&SceneFolder::new().with("a.obj", OBJ.replace("v 0 1 0", "v 0 nan 0")), &["a.obj", "line"]);
+    refused(
+        &SceneFolder::new().with("a.obj", OBJ.replace("3//1", "9//1")),
+        &["a.obj", "line 10", "vertex 9"],
+    );
+    refused(
+        &SceneFolder::new().with("a.obj", OBJ.replace("v 0 1 0", "v 0 nan 0")),
+        &["a.obj", "line"],
+    );
 }
 
 #[test]
 fn textures_that_are_wrong() {
     let textured = MTL.replace("Kd 1 0 0", "map_Kd wall.png");
-    let broken = SceneFolder::new().with("a.mtl", &textured).with("wall.png", b"\x89PNG\r\n\x1a\nbroken");
+    let broken =
+        SceneFolder::new().with("a.mtl", &textured).with("wall.png", b"\x89PNG\r\n\x1a\nbroken");
     refused(&broken, &["wall.png", "texture"]);
     let override_ = |texture: &str| {
         SceneFolder::new().json(|scene| {
-            scene["materials"] = json!({"red wall": {"type": "diffuse", "reflectance": {"texture": texture}}});
+            scene["materials"] =
+                json!({"red wall": {"type": "diffuse", "reflectance": {"texture": texture}}});
         })
     };
     refused(&override_("missing.png"), &["scene.json", "red wall", "missing.png"]);

@@ -11,7 +11,8 @@ use raystream::exec::device::{Device, OpenOptions};
 use raystream::exec::gpu::GpuExecutor;
 use raystream::film::Film;
 use raystream::render::{
-    BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, Renderer, Sampling, Settings, Techniques,
+    BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, Renderer, Sampling, Settings,
+    Techniques,
 };
 use raystream::scene::Scene;
 use std::path::PathBuf;
@@ -23,7 +24,8 @@ const REQUIRE_GPU: &str = "RAYSTREAM_REQUIRE_GPU";
 /// One test at a time on the GPU: a software one is slow, and a real one has only so much memory.
 static GPU: Mutex<()> = Mutex::new(());
 
-/// Runs `test` on any GPU, a software one too. Without one it says so loudly, or fails if [`REQUIRE_GPU`] is set.
+/// Runs `test` on any GPU, a software one too. Without one it says so loudly, or fails if
+/// [`REQUIRE_GPU`] is set.
 pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
     let _turn = GPU.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     match Device::open("gpu", OpenOptions::default()) {
@@ -36,7 +38,9 @@ pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
 /// What a test that needs a GPU does without one.
 pub fn no_gpu(reason: &str) {
     assert!(std::env::var_os(REQUIRE_GPU).is_none(), "{REQUIRE_GPU} is set, but {reason}");
-    say_loudly(&format!("no Vulkan device: {reason}. Install a driver (a software one: mesa-vulkan-drivers)."));
+    say_loudly(&format!(
+        "no Vulkan device: {reason}. Install a driver (a software one: mesa-vulkan-drivers)."
+    ));
 }
 
 /// Whether there is a GPU; says so loudly, or fails, if there is none.
@@ -46,7 +50,8 @@ pub fn has_gpu() -> bool {
     found
 }
 
-/// The folder with the large scenes and their references, beside the repository; says so loudly if it is not there.
+/// The folder with the large scenes and their references, beside the repository; says so loudly if
+/// it is not there.
 pub fn large_scenes() -> Option<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
     if folder.is_dir() {
@@ -56,14 +61,20 @@ pub fn large_scenes() -> Option<PathBuf> {
     None
 }
 
-/// Says what is left out on the terminal itself: the test harness hides what passing tests print the usual way.
+/// Says what is left out on the terminal itself: the test harness hides what passing tests print
+/// the usual way.
 fn say_loudly(what: &str) {
     use std::io::Write;
     let _ = writeln!(std::io::stderr(), "NOT TESTED: {what}");
 }
 
 /// Renders `samples` per pixel on `executor`.
-pub fn render_on<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings, samples: u32) -> Film {
+pub fn render_on<E: Executor>(
+    executor: &E,
+    scene: &PreparedScene,
+    settings: &Settings,
+    samples: u32,
+) -> Film {
     let mut renderer = Renderer::new(executor, scene, settings).expect("the scene fits");
     renderer.round(samples, &mut |_| ()).expect("the device works");
     renderer.finish_features().expect("the device works");
@@ -80,7 +91,8 @@ pub fn prepare(scene: &Scene) -> PreparedScene {
     PreparedScene::new(scene.clone(), BvhQuality::Fast).expect("the scene is small")
 }
 
-/// The scene's own settings, with independent random numbers: then standard errors mean what they say.
+/// The scene's own settings, with independent random numbers: then standard errors mean what they
+/// say.
 pub fn settings(scene: &Scene) -> Settings {
     Settings {
         size: scene.film,
@@ -90,7 +102,7 @@ pub fn settings(scene: &Scene) -> Settings {
         roulette_depth: scene.limits.roulette_depth,
         techniques: Techniques::Both,
         background: glam::Vec3::ZERO,
-        ray_offset: raystream_shaders::ray::OFFSET_ROUNDINGS,
+        ray_offset: raystream_shaders::scene::ray::OFFSET_ROUNDINGS,
         sampling: Sampling::UNIFORM,
         integrator: IntegratorKind::Megakernel,
         light_cache: LightCacheSettings::default(),

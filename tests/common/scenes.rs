@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 use raystream::scene::{CameraSettings, FilmSize, PathLimits, Scene};
-use raystream_shaders::material::{DIELECTRIC, DIFFUSE, MIRROR, Material};
-use raystream_shaders::surface::Attributes;
-use raystream_shaders::texture::NO_TEXTURE;
-use raystream_shaders::triangle::{NO_ATTRIBUTES, Triangle};
+use raystream_shaders::scene::bsdf::{DIELECTRIC, DIFFUSE, MIRROR, Material};
+use raystream_shaders::scene::texture::NO_TEXTURE;
+use raystream_shaders::scene::triangle::Attributes;
+use raystream_shaders::scene::triangle::{NO_ATTRIBUTES, Triangle};
 use std::ops::Range;
 
 /// Lambert's law.
@@ -85,7 +85,8 @@ pub fn add_box(scene: &mut Scene, low: Vec3, high: Vec3, inwards: bool, material
     }
 }
 
-/// Adds a closed, convex ball of flat triangles, subdivided from an octahedron, its fronts outwards.
+/// Adds a closed, convex ball of flat triangles, subdivided from an octahedron, its fronts
+/// outwards.
 pub fn add_ball(scene: &mut Scene, centre: Vec3, radius: f32, subdivisions: u32, material: u32) {
     let mut faces: Vec<[Vec3; 3]> = (0..8)
         .map(|octant: u32| {
@@ -122,7 +123,8 @@ pub fn smooth(scene: &mut Scene, triangles: Range<usize>, centre: Vec3) {
     }
 }
 
-/// The [`room`] with a ball of so few triangles, but smooth normals, that shading normals are far from those of the triangles.
+/// The [`room`] with a ball of so few triangles, but smooth normals, that shading normals are far
+/// from those of the triangles.
 pub fn smooth_room(ball: Material) -> Scene {
     let mut scene = room(ball, 1.0);
     // The ball is what the room ends with, 512 triangles.
@@ -136,7 +138,8 @@ pub fn smooth_room(ball: Material) -> Scene {
     scene
 }
 
-/// The [`room`] with walls that are shaded as a ball around it would be: up to 55 degrees from what they are.
+/// The [`room`] with walls that are shaded as a ball around it would be: up to 55 degrees from what
+/// they are.
 pub fn smooth_walls(ball: Material) -> Scene {
     let mut scene = room(ball, 1.0);
     // They are what the room begins with.
@@ -154,14 +157,18 @@ pub fn glowing_smooth_box() -> Scene {
     scene
 }
 
-/// A closed room with a lamp, a diffuse block and a ball of `ball`'s material: all of the path tracer's cases at once.
+/// A closed room with a lamp, a diffuse block and a ball of `ball`'s material: all of the path
+/// tracer's cases at once.
 pub fn room(ball: Material, scale: f32) -> Scene {
     let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale;
     let mut scene = empty(at(0.5, 0.5, 0.05), at(0.5, 0.45, 1.0));
     scene.camera.fov_y = 70.0;
     let walls = add_material(&mut scene, diffuse(0.6));
     let lamp = add_material(&mut scene, emissive(12.0, 0.3));
-    let block = add_material(&mut scene, Material { reflectance: Vec3::new(0.7, 0.3, 0.2), ..diffuse(0.0) });
+    let block = add_material(
+        &mut scene,
+        Material { reflectance: Vec3::new(0.7, 0.3, 0.2), ..diffuse(0.0) },
+    );
     let ball = add_material(&mut scene, ball);
     add_box(&mut scene, Vec3::ZERO, at(1.0, 1.0, 1.0), true, walls);
     add_quad(&mut scene, at(0.35, 0.98, 0.4), at(0.3, 0.0, 0.0), at(0.0, 0.0, 0.3), lamp);

@@ -21,7 +21,8 @@ impl SlowBatches {
 
     /// Waits if `parts` are one of them.
     pub fn hold_up<B>(&self, parts: &[&[Launch<'_, B>]]) {
-        let traces = parts.iter().copied().flatten().any(|launch| launch.kernel().name == self.tracing.name);
+        let traces =
+            parts.iter().copied().flatten().any(|launch| launch.kernel().name == self.tracing.name);
         let fewer = |left: u32| left.checked_sub(1);
         if traces && self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fewer).is_ok() {
             std::thread::sleep(SLOW);

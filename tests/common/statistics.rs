@@ -6,29 +6,35 @@ use raystream::film::Film;
 /// Sum over the pixels of a film, by component, and the variance of that sum.
 fn total(film: &Film, pixels: impl Iterator<Item = usize> + Clone) -> (DVec3, DVec3) {
     let (color, variance) = (film.color(), film.variance());
-    (pixels.clone().map(|p| color[p].as_dvec3()).sum(), pixels.map(|p| variance[p].as_dvec3()).sum())
+    (
+        pixels.clone().map(|p| color[p].as_dvec3()).sum(),
+        pixels.map(|p| variance[p].as_dvec3()).sum(),
+    )
 }
 
-/// Asserts that two independent renders have the same expectation, for the whole picture and for every block of 4x4 pixels. Their
-/// samples must be independent.
+/// Asserts that two independent renders have the same expectation, for the whole picture and for
+/// every block of 4x4 pixels. Their samples must be independent.
 ///
-/// Each comparison is a z-test by colour component. The limit is Bonferroni's for a false alarm in 1 of 10^4 test runs:
-/// about 5 standard errors for some 40 comparisons.
+/// Each comparison is a z-test by colour component. The limit is Bonferroni's for a false alarm in
+/// 1 of 10^4 test runs: about 5 standard errors for some 40 comparisons.
 pub fn assert_same_expectation(a: &Film, b: &Film, what: &str) {
     assert_eq!((a.width, a.height), (b.width, b.height));
     let total_of = |film| move |pixels: &[usize]| total(film, pixels.iter().copied());
     assert_same_totals(a.width as usize, a.height as usize, &total_of(a), &total_of(b), what);
 }
 
-/// [`assert_same_expectation`] of a render whose samples are independent and of one whose rounds are, though samples within a round may not be:
-/// `rounds` are pictures, row by row from the top. Their spread tells the standard error, so there must be many.
+/// [`assert_same_expectation`] of a render whose samples are independent and of one whose rounds
+/// are, though samples within a round may not be: `rounds` are pictures, row by row from the top.
+/// Their spread tells the standard error, so there must be many.
 pub fn assert_rounds_have_expectation(film: &Film, rounds: &[Vec<DVec3>], what: &str) {
     assert!(rounds.len() >= 100, "{what}: too few rounds to tell their spread");
     let of_rounds = |pixels: &[usize]| {
-        let totals: Vec<DVec3> = rounds.iter().map(|round| pixels.iter().map(|&p| round[p]).sum()).collect();
+        let totals: Vec<DVec3> =
+            rounds.iter().map(|round| pixels.iter().map(|&p| round[p]).sum()).collect();
         let count = totals.len() as f64;
         let mean = totals.iter().sum::<DVec3>() / count;
-        let spread = totals.iter().map(|total| (*total - mean) * (*total - mean)).sum::<DVec3>() / (count - 1.0);
+        let spread = totals.iter().map(|total| (*total - mean) * (*total - mean)).sum::<DVec3>()
+            / (count - 1.0);
         (mean, spread / count)
     };
     let of_film = |pixels: &[usize]| total(film, pixels.iter().copied());
@@ -39,7 +45,8 @@ pub fn assert_rounds_have_expectation(film: &Film, rounds: &[Vec<DVec3>], what: 
 type Total<'a> = &'a dyn Fn(&[usize]) -> (DVec3, DVec3);
 
 fn assert_same_totals(width: usize, height: usize, a: Total<'_>, b: Total<'_>, what: &str) {
-    let mut regions: Vec<(String, Vec<usize>)> = vec![("picture".into(), (0..width * height).collect())];
+    let mut regions: Vec<(String, Vec<usize>)> =
+        vec![("picture".into(), (0..width * height).collect())];
     for top in (0..height).step_by(4) {
         for left in (0..width).step_by(4) {
             let pixels = (top..height.min(top + 4))
@@ -55,7 +62,8 @@ fn assert_same_totals(width: usize, height: usize, a: Total<'_>, b: Total<'_>, w
         for channel in 0..3 {
             let error = (variance_a[channel] + variance_b[channel]).sqrt();
             let difference = (mean_a[channel] - mean_b[channel]).abs();
-            // Where nothing varies (black, or lit by the lamp's own light alone) only rounding may differ.
+            // Where nothing varies (black, or lit by the lamp's own light alone) only rounding may
+            // differ.
             let rounding = 1e-5 * mean_a[channel].abs().max(mean_b[channel].abs());
             assert!(
                 difference <= limit * error + rounding,
@@ -68,8 +76,9 @@ fn assert_same_totals(width: usize, height: usize, a: Total<'_>, b: Total<'_>, w
     }
 }
 
-/// Pearson's test that `counts` were drawn with the probabilities `expected` (in counts, same sum); cells with an
-/// expectation under 5 are put together. Fails where chance would give as large a deviation in less than 1 of 10^5 cases.
+/// Pearson's test that `counts` were drawn with the probabilities `expected` (in counts, same sum);
+/// cells with an expectation under 5 are put together. Fails where chance would give as large a
+/// deviation in less than 1 of 10^5 cases.
 pub fn assert_chi_square(counts: &[u32], expected: &[f64], what: &str) {
     assert_eq!(counts.len(), expected.len());
     let (mut statistic, mut cells) = (0.0, 0_u32);
@@ -87,11 +96,17 @@ pub fn assert_chi_square(counts: &[u32], expected: &[f64], what: &str) {
         statistic += (pooled_count - pooled_expected).powi(2) / pooled_expected;
         cells += 1;
     } else {
-        assert!(pooled_count <= pooled_expected + 25.0, "{what}: {pooled_count} where {pooled_expected} were expected");
+        assert!(
+            pooled_count <= pooled_expected + 25.0,
+            "{what}: {pooled_count} where {pooled_expected} were expected"
+        );
     }
     assert!(cells > 1, "{what}: too few samples for the test");
     let limit = chi_square_quantile(1.0 - 1e-5, f64::from(cells - 1));
-    assert!(statistic <= limit, "{what}: chi-square {statistic:.1} over {cells} cells, {limit:.1} is the limit");
+    assert!(
+        statistic <= limit,
+        "{what}: chi-square {statistic:.1} over {cells} cells, {limit:.1} is the limit"
+    );
 }
 
 /// Wilson and Hilferty's approximation, within 1 % beyond 5 degrees of freedom.
@@ -138,7 +153,9 @@ fn normal_distribution(x: f64) -> f64 {
 
 #[test]
 fn quantiles_are_those_of_the_tables() {
-    for (probability, expected) in [(0.5, 0.0), (0.6, 0.253_347), (0.975, 1.959_964), (1.0 - 1e-5, 4.264_891)] {
+    for (probability, expected) in
+        [(0.5, 0.0), (0.6, 0.253_347), (0.975, 1.959_964), (1.0 - 1e-5, 4.264_891)]
+    {
         assert!((normal_quantile(probability) - expected).abs() < 1e-5, "{probability}");
     }
     assert!((chi_square_quantile(0.99, 10.0) / 23.209 - 1.0).abs() < 0.01);

@@ -8,13 +8,15 @@ use raystream::film::Film;
 use raystream::render::estimation::ComingRound;
 use raystream::render::{EstimationSettings, Estimator, Sampling};
 use raystream::scene::FilmSize;
-use raystream_shaders::camera::Camera;
+use raystream_shaders::scene::camera::Camera;
 
 /// Largest relative difference of a squared error, and of a filtered colour, from rounding.
 ///
-/// Vulkan lets exp(x) be off by 3 + 2|x| units in the last place of 2^-24, 35 for the largest exponents that count (16), and a division
-/// by 2.5. An exponent is a sum of five terms of some ten roundings each, so it is off by up to 10 * 2^-24 of itself: 160 units in a weight. The
-/// mean of up to 121 colours by such weights adds 121 roundings, and colours are means themselves: 2^-24 * (35 + 160 + 121 + 4) = 2e-5.
+/// Vulkan lets exp(x) be off by 3 + 2|x| units in the last place of 2^-24, 35 for the largest
+/// exponents that count (16), and a division by 2.5. An exponent is a sum of five terms of some ten
+/// roundings each, so it is off by up to 10 * 2^-24 of itself: 160 units in a weight. The mean of
+/// up to 121 colours by such weights adds 121 roundings, and colours are means themselves: 2^-24 *
+/// (35 + 160 + 121 + 4) = 2e-5.
 const RELATIVE: f32 = 2e-5;
 
 fn estimates<E: Executor>(
@@ -57,15 +59,23 @@ fn estimates_are_equal_but_for_rounding() {
                     let near = (-5..=5).flat_map(|dy| (-5..=5).map(move |dx| (x + dx, y + dy)));
                     let near = near.filter(|&(x, y)| (0..45).contains(&x) && (0..37).contains(&y));
                     let pixels: Vec<usize> = near.map(|(x, y)| (y * 45 + x) as usize).collect();
-                    let brightest = pixels.iter().map(|&p| colors[p].max_element()).filter(|c| c.is_finite());
+                    let brightest =
+                        pixels.iter().map(|&p| colors[p].max_element()).filter(|c| c.is_finite());
                     let brightest = brightest.fold(0.0, f32::max);
-                    let noisiest = pixels.iter().map(|&p| variances[p]).filter(|v| v.is_finite()).fold(0.0, f32::max);
-                    let what = format!("{estimator:?}, color {color}, pixel {p}: {ea:?} and {eb:?}");
+                    let noisiest = pixels
+                        .iter()
+                        .map(|&p| variances[p])
+                        .filter(|v| v.is_finite())
+                        .fold(0.0, f32::max);
+                    let what =
+                        format!("{estimator:?}, color {color}, pixel {p}: {ea:?} and {eb:?}");
                     let off = RELATIVE * brightest;
                     assert!((ea.filtered - eb.filtered).abs().max_element() <= off, "{what}");
-                    // (d + off)^2 - d^2, and the variances, which are differences of squares themselves.
+                    // (d + off)^2 - d^2, and the variances, which are differences of squares
+                    // themselves.
                     let d = ea.squared_error.sqrt();
-                    let squared = 2.0 * d * off + off * off + RELATIVE * (noisiest + brightest * brightest);
+                    let squared =
+                        2.0 * d * off + off * off + RELATIVE * (noisiest + brightest * brightest);
                     assert!((ea.squared_error - eb.squared_error).abs() <= squared, "{what}");
                     different += u32::from(ea.squared_error == 0.0 && eb.squared_error != 0.0);
                     assert_eq!(a.errors[p] == 0.0, b.errors[p] == 0.0, "{what}");

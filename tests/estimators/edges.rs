@@ -4,7 +4,7 @@ use super::walls::{Estimates, SAMPLES, absolute, estimate, plain, random, wall};
 use glam::Vec3;
 use raystream::film::Film;
 use raystream::render::{EstimationSettings, Estimator};
-use raystream_shaders::features::FeaturePixel;
+use raystream_shaders::integrator::first_hits::FeaturePixel;
 
 const WIDTH: u32 = 24;
 const HEIGHT: u32 = 16;
@@ -14,7 +14,8 @@ type Change = &'static dyn Fn(&mut FeaturePixel);
 
 /// A wall without noise, bright on the right half, where `change` alters the features.
 fn step(change: impl Fn(&mut FeaturePixel)) -> Film {
-    let mut film = wall(WIDTH, HEIGHT, SAMPLES, |x, _, _| Vec3::splat(if x < WIDTH / 2 { 1.0 } else { 2.0 }));
+    let mut film =
+        wall(WIDTH, HEIGHT, SAMPLES, |x, _, _| Vec3::splat(if x < WIDTH / 2 { 1.0 } else { 2.0 }));
     for (p, features) in film.features.iter_mut().enumerate() {
         if p as u32 % WIDTH >= WIDTH / 2 {
             change(features);
@@ -37,8 +38,10 @@ fn edges_of_features_are_not_blurred() {
         ("background", &|f| *f = FeaturePixel { samples: f.samples, ..FeaturePixel::default() }),
     ];
     for (name, change) in edges {
-        let error = largest_error(&estimate(&step(change), &absolute(Estimator::Bilateral), &plain()));
-        // exp(-8) is what is left of a weight at 4 standard deviations; all these edges are farther than that.
+        let error =
+            largest_error(&estimate(&step(change), &absolute(Estimator::Bilateral), &plain()));
+        // exp(-8) is what is left of a weight at 4 standard deviations; all these edges are farther
+        // than that.
         assert!(error < 3e-4_f32.powi(2), "{name}: {error}");
     }
 }
@@ -55,7 +58,8 @@ fn without_the_color_term_shadows_are_blurred_and_with_it_they_survive() {
     assert!(largest_error(&kept) < (2.0 * 121.0 * f32::EPSILON).powi(2));
 }
 
-/// A shadow under noise: as long as noise hides it, it is blurred, and what that costs is less than the noise.
+/// A shadow under noise: as long as noise hides it, it is blurred, and what that costs is less than
+/// the noise.
 #[test]
 fn shadows_survive_when_noise_is_below_them() {
     let mean_difference_at_edge = |noise: f32| {
@@ -65,11 +69,16 @@ fn shadows_survive_when_noise_is_below_them() {
             let deviation = noise * (12.0 * SAMPLES as f32).sqrt();
             Vec3::splat(level + deviation * (random(7, (y * WIDTH + x) as usize, sample) - 0.5))
         });
-        let estimates = estimate(&film, &absolute(Estimator::Bilateral), &EstimationSettings::default()).estimates;
-        let column = |x: u32| (0..HEIGHT).map(|y| estimates[(y * WIDTH + x) as usize].filtered.x).sum::<f32>();
+        let estimates =
+            estimate(&film, &absolute(Estimator::Bilateral), &EstimationSettings::default())
+                .estimates;
+        let column = |x: u32| {
+            (0..HEIGHT).map(|y| estimates[(y * WIDTH + x) as usize].filtered.x).sum::<f32>()
+        };
         (column(WIDTH / 2) - column(WIDTH / 2 - 1)) / HEIGHT as f32
     };
-    // The means over 16 pixels differ by 5 % * sqrt(2 / 16) = 1.8 % if nothing were filtered; this is 5 times that.
+    // The means over 16 pixels differ by 5 % * sqrt(2 / 16) = 1.8 % if nothing were filtered; this
+    // is 5 times that.
     assert!((mean_difference_at_edge(0.05) - 1.0).abs() < 0.09);
     assert!(mean_difference_at_edge(1.0) < 0.5);
 }
@@ -84,20 +93,28 @@ fn constant_pictures_have_no_error() {
                 let estimates = estimate(&film, &absolute(estimator), &settings);
                 for (estimate, error) in estimates.estimates.iter().zip(&estimates.errors) {
                     // Rounding of sums of up to 121 equal numbers.
-                    assert!((estimate.filtered - color).abs().max_element() < 121.0 * 3.0 * f32::EPSILON);
+                    assert!(
+                        (estimate.filtered - color).abs().max_element()
+                            < 121.0 * 3.0 * f32::EPSILON
+                    );
                     let rounding = (121.0 * 3.0 * f32::EPSILON).powi(2);
-                    assert!(estimate.squared_error <= rounding && (0.0..=rounding).contains(error), "{estimator:?}");
+                    assert!(
+                        estimate.squared_error <= rounding && (0.0..=rounding).contains(error),
+                        "{estimator:?}"
+                    );
                 }
             }
         }
     }
 }
 
-/// Seen at a grazing angle, neighbours are far from each other; a flat floor is a flat floor all the same.
+/// Seen at a grazing angle, neighbours are far from each other; a flat floor is a flat floor all
+/// the same.
 #[test]
 fn slanted_surfaces_are_filtered_like_upright_ones() {
-    let mut film =
-        wall(WIDTH, HEIGHT, SAMPLES, |x, y, sample| Vec3::splat(random(3, (y * WIDTH + x) as usize, sample)));
+    let mut film = wall(WIDTH, HEIGHT, SAMPLES, |x, y, sample| {
+        Vec3::splat(random(3, (y * WIDTH + x) as usize, sample))
+    });
     let share = |film: &Film| {
         let estimates = estimate(film, &absolute(Estimator::Bilateral), &plain()).estimates;
         estimates.iter().map(|e| e.squared_error).sum::<f32>()

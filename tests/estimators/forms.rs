@@ -6,7 +6,7 @@ use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{ExecError, Executor, Launch, Limits};
 use raystream::film::Film;
 use raystream::render::{EstimationSettings, Estimator, Sampling};
-use raystream_shaders::estimate::{CONVERGED, SOFT_FLOOR};
+use raystream_shaders::estimator::{CONVERGED, SOFT_FLOOR};
 use std::time::Duration;
 
 const ESTIMATORS: [Estimator; 3] = [Estimator::Bilateral, Estimator::Halves, Estimator::Variance];
@@ -44,7 +44,10 @@ fn errors_are_reductions_of_the_estimates() {
             for noise in [half.noise, relative.noise] {
                 let expected = (sum / half.estimates.len() as f64).sqrt();
                 assert!((noise.relative_error / expected - 1.0).abs() < 1e-5, "always relative");
-                assert_eq!(noise.unconverged, half.errors.iter().filter(|&&e| e > 0.0).count() as u64);
+                assert_eq!(
+                    noise.unconverged,
+                    half.errors.iter().filter(|&&e| e > 0.0).count() as u64
+                );
             }
         }
     }
@@ -72,10 +75,13 @@ fn converged_pixels_get_no_more() {
     }
 }
 
-/// A single pixel is often near the filtered picture by chance. Where noise is everywhere alike, none has converged for that.
+/// A single pixel is often near the filtered picture by chance. Where noise is everywhere alike,
+/// none has converged for that.
 #[test]
 fn pixels_do_not_converge_by_chance() {
-    let film = wall(64, 64, SAMPLES, |x, y, sample| Vec3::splat(2.0 * random(2, (y * 64 + x) as usize, sample)));
+    let film = wall(64, 64, SAMPLES, |x, y, sample| {
+        Vec3::splat(2.0 * random(2, (y * 64 + x) as usize, sample))
+    });
     // The standard error of a pixel is 1 / sqrt(3 * 16) = 0.144.
     for (noise, unconverged) in [(0.1, 64 * 64), (0.7, 0)] {
         let sampling = Sampling { noise: Some(noise), ..absolute(Estimator::Bilateral) };
@@ -96,10 +102,15 @@ fn what_is_not_finite_has_no_error_and_spoils_no_neighbour() {
         film.radiance[middle].sum.y = bad;
         for estimator in ESTIMATORS {
             for settings in [plain(), EstimationSettings::default()] {
-                let sampling = Sampling { relative: true, noise: Some(1e-3), ..absolute(estimator) };
+                let sampling =
+                    Sampling { relative: true, noise: Some(1e-3), ..absolute(estimator) };
                 let e = estimate(&film, &sampling, &settings);
                 assert_eq!((e.errors[middle], e.estimates[middle].squared_error), (0.0, 0.0));
-                assert!(e.estimates.iter().all(|e| e.filtered.is_finite() && e.squared_error.is_finite()));
+                assert!(
+                    e.estimates
+                        .iter()
+                        .all(|e| e.filtered.is_finite() && e.squared_error.is_finite())
+                );
                 assert!(e.errors.iter().all(|e| e.is_finite()));
                 assert!(e.noise.relative_error.is_finite() && e.noise.relative_error > 0.0);
                 let pixels = e.errors.iter().filter(|&&error| error > 0.0).count() as u64;
@@ -128,7 +139,12 @@ impl Executor for SmallBuffers {
     fn write(&self, buffer: &Self::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
         self.0.write(buffer, first_byte, bytes)
     }
-    fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
+    fn read(
+        &self,
+        buffer: &Self::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
         self.0.read(buffer, first_byte, bytes)
     }
     fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
@@ -145,7 +161,9 @@ fn bands_do_not_show() {
             let settings = EstimationSettings::default();
             let whole = estimate(&film, &sampling, &settings);
             let small = SmallBuffers(CpuExecutor);
-            let bands = estimate_on(&small, &film, &camera(width, height), &sampling, &settings, ROUND).unwrap();
+            let bands =
+                estimate_on(&small, &film, &camera(width, height), &sampling, &settings, ROUND)
+                    .unwrap();
             assert_eq!(bands.estimates, whole.estimates);
             assert_eq!(bands.errors, whole.errors);
             assert_eq!(bands.noise, whole.noise);

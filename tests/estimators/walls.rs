@@ -7,12 +7,12 @@ use raystream::film::Film;
 use raystream::render::estimation::{ComingRound, Estimation, Noise};
 use raystream::render::{AllocatorKind, EstimationSettings, Estimator, FilmBuffers, Sampling};
 use raystream::scene::FilmSize;
-use raystream_shaders::camera::Camera;
-use raystream_shaders::estimate::Estimate;
-use raystream_shaders::features::FeaturePixel;
+use raystream_shaders::estimator::Estimate;
 use raystream_shaders::film::FilmPixel;
-use raystream_shaders::sampler::{hash, unit_float};
-use raystream_shaders::tiles::rank_of_pixel;
+use raystream_shaders::film::tiles::rank_of_pixel;
+use raystream_shaders::integrator::first_hits::FeaturePixel;
+use raystream_shaders::math::random::{hash, unit_float};
+use raystream_shaders::scene::camera::Camera;
 
 /// Samples of a pixel, unless a test says otherwise.
 pub const SAMPLES: u32 = 16;
@@ -37,7 +37,12 @@ pub fn random(seed: u32, pixel: usize, sample: u32) -> f32 {
 }
 
 /// A grey wall at z = -1, whose pixels have the samples `radiance(x, y, sample)`.
-pub fn wall(width: u32, height: u32, samples: u32, mut radiance: impl FnMut(u32, u32, u32) -> Vec3) -> Film {
+pub fn wall(
+    width: u32,
+    height: u32,
+    samples: u32,
+    mut radiance: impl FnMut(u32, u32, u32) -> Vec3,
+) -> Film {
     let camera = camera(width, height);
     let pixels = (0..width * height).map(|p| (p % width, p / width));
     let film = |(x, y)| {
@@ -101,7 +106,8 @@ pub fn estimate_on<E: Executor>(
     let sampling = Sampling { estimation: *settings, ..*sampling };
     executor.run(&estimation.launches(&buffers, camera, &sampling, round))?;
     let errors = estimation.errors().read(executor)?;
-    let rows = (0..width * height).map(|p| errors[rank_of_pixel(p % width, p / width, width, height) as usize]);
+    let rows = (0..width * height)
+        .map(|p| errors[rank_of_pixel(p % width, p / width, width, height) as usize]);
     Ok(Estimates {
         estimates: estimation.read(executor)?,
         errors: rows.collect(),
@@ -111,7 +117,8 @@ pub fn estimate_on<E: Executor>(
 
 /// Estimates of a wall, on the CPU.
 pub fn estimate(film: &Film, sampling: &Sampling, settings: &EstimationSettings) -> Estimates {
-    estimate_on(&CpuExecutor, film, &camera(film.width, film.height), sampling, settings, ROUND).expect("it fits")
+    estimate_on(&CpuExecutor, film, &camera(film.width, film.height), sampling, settings, ROUND)
+        .expect("it fits")
 }
 
 /// The settings without the colour term and without smoothing.

@@ -1,8 +1,9 @@
 //! Slot for slot on the GPU.
 //!
-//! Each integrator is a kernel of its own (or several) to a driver's compiler, which may fuse a product and a sum in one of them and not in another. So a
-//! ray may, about once in a thousand times, hit something else (`differential.rs` has the same bound for GPU and CPU), and then its path is another
-//! one of the same distribution.
+//! Each integrator is a kernel of its own (or several) to a driver's compiler, which may fuse a
+//! product and a sum in one of them and not in another. So a ray may, about once in a thousand
+//! times, hit something else (`differential.rs` has the same bound for GPU and CPU), and then its
+//! path is another one of the same distribution.
 
 use super::common::statistics::normal_quantile;
 use super::common::with_gpu;
@@ -33,7 +34,9 @@ fn contributions_are_the_megakernels_but_for_rounding() {
                 let integrator = integrator(gpu, kind, 1500, pool);
                 let found = case.trace(gpu, integrator.as_ref(), case.all()).0;
                 let pairs = || found.iter().zip(&expected);
-                let same_bits = pairs().filter(|(a, b)| bytemuck::bytes_of(*a) == bytemuck::bytes_of(*b)).count();
+                let same_bits = pairs()
+                    .filter(|(a, b)| bytemuck::bytes_of(*a) == bytemuck::bytes_of(*b))
+                    .count();
                 identical += same_bits;
                 slots += found.len();
                 if gpu.name().contains("llvmpipe") {
@@ -41,12 +44,19 @@ fn contributions_are_the_megakernels_but_for_rounding() {
                     assert_eq!(same_bits, found.len(), "{what}");
                 }
                 let others = pairs().filter(|(a, b)| !is_the_same_path(a, b)).count();
-                assert!(others as f64 <= TURNED * f64::from(rays), "{what}: {others} other paths, {rays} rays");
+                assert!(
+                    others as f64 <= TURNED * f64::from(rays),
+                    "{what}: {others} other paths, {rays} rays"
+                );
                 assert_no_bias(&found, &expected, &what);
             }
         }
         let share = 100.0 * identical as f64 / slots as f64;
-        let _ = writeln!(std::io::stderr(), "{}: {share:.3} % of {slots} contributions identical", gpu.name());
+        let _ = writeln!(
+            std::io::stderr(),
+            "{}: {share:.3} % of {slots} contributions identical",
+            gpu.name()
+        );
     });
 }
 
@@ -55,15 +65,21 @@ fn assert_no_bias(found: &[Contribution], expected: &[Contribution], what: &str)
     let limit = normal_quantile(1.0 - 0.5e-6);
     for channel in 0..3 {
         let pairs = || found.iter().zip(expected);
-        let differences = || pairs().map(|(a, b)| f64::from(a.radiance[channel]) - f64::from(b.radiance[channel]));
+        let differences = || {
+            pairs().map(|(a, b)| f64::from(a.radiance[channel]) - f64::from(b.radiance[channel]))
+        };
         let sum: f64 = differences().sum();
         let error = differences().map(|d| d * d).sum::<f64>().sqrt();
         let total: f64 = expected.iter().map(|c| f64::from(c.radiance[channel])).sum();
-        assert!(sum.abs() <= limit * error + 1e-5 * total, "{what}: channel {channel} differs by {sum} of {total}");
+        assert!(
+            sum.abs() <= limit * error + 1e-5 * total,
+            "{what}: channel {channel} differs by {sum} of {total}"
+        );
     }
 }
 
-/// The test above can fail: paths of another seed are other paths, and a thousandth more light is a bias.
+/// The test above can fail: paths of another seed are other paths, and a thousandth more light is a
+/// bias.
 #[test]
 fn other_paths_are_noticed() {
     let [case, ..] = <[_; 7]>::try_from(cases(600)).ok().unwrap();
@@ -73,7 +89,8 @@ fn other_paths_are_noticed() {
     let found = other.megakernel(&raystream::exec::cpu::CpuExecutor, other.all());
     let others = found.iter().zip(&expected).filter(|(a, b)| !is_the_same_path(a, b)).count();
     assert!(others > 500, "{others}");
-    let brighter: Vec<_> = expected.iter().map(|c| Contribution { radiance: c.radiance * 1.001, ..*c }).collect();
+    let brighter: Vec<_> =
+        expected.iter().map(|c| Contribution { radiance: c.radiance * 1.001, ..*c }).collect();
     let noticed = std::panic::catch_unwind(|| assert_no_bias(&brighter, &expected, "brighter"));
     assert!(noticed.is_err());
 }

@@ -1,4 +1,5 @@
-//! How much memory integrators ask for, and what they do where there is not enough: on a device that keeps accounts and computes nothing.
+//! How much memory integrators ask for, and what they do where there is not enough: on a device
+//! that keeps accounts and computes nothing.
 
 use super::common::{large_scenes, prepare, settings};
 use clap::ValueEnum as _;
@@ -74,7 +75,8 @@ impl Executor for Accounts {
     }
 }
 
-/// 3840x2160 pixels, 1024 samples each, in less than 4 GiB, whatever the integrator and the allocator.
+/// 3840x2160 pixels, 1024 samples each, in less than 4 GiB, whatever the integrator and the
+/// allocator.
 #[test]
 fn a_large_picture_fits_4_gib() {
     let mut scenes = vec![load_named("cornell_ball").unwrap()];
@@ -84,14 +86,19 @@ fn a_large_picture_fits_4_gib() {
     for scene in scenes {
         let (name, prepared) = (scene.name.clone(), prepare(&scene));
         for &integrator in IntegratorKind::value_variants() {
-            for allocator in [AllocatorKind::Uniform, AllocatorKind::Paper, AllocatorKind::Atomic, AllocatorKind::Runs]
-            {
+            for allocator in [
+                AllocatorKind::Uniform,
+                AllocatorKind::Paper,
+                AllocatorKind::Atomic,
+                AllocatorKind::Runs,
+            ] {
                 let size = FilmSize { width: 3840, height: 2160 };
                 let sampling = Sampling { allocator, ..Sampling::UNIFORM };
                 let settings = Settings { size, integrator, sampling, ..settings(&scene) };
                 let device = Accounts::new(u64::MAX);
                 let mut renderer = Renderer::new(&device, &prepared, &settings).unwrap();
-                // Batches of a device that takes no time grow to the whole stream; so long a round is cut into streams.
+                // Batches of a device that takes no time grow to the whole stream; so long a round
+                // is cut into streams.
                 let mut paths = 0_u64;
                 renderer.round(1024, &mut |batch| paths += u64::from(batch)).unwrap();
                 assert_eq!(paths, 1024 * 3840 * 2160);
@@ -99,13 +106,20 @@ fn a_large_picture_fits_4_gib() {
                 let gib = most as f64 / f64::from(1 << 30);
                 assert!(most < 4 << 30, "{name}, {integrator:?}, {allocator:?}: {gib:.2} GiB");
                 // It is the pictures that are counted: the film alone takes that much.
-                assert!(most > 3840 * 2160 * 48, "{name}, {integrator:?}, {allocator:?}: {gib:.2} GiB");
+                assert!(
+                    most > 3840 * 2160 * 48,
+                    "{name}, {integrator:?}, {allocator:?}: {gib:.2} GiB"
+                );
             }
         }
     }
 }
 
-fn pool(kind: IntegratorKind, device: &Accounts, stream: u32) -> Result<Wavefront<Piece>, ExecError> {
+fn pool(
+    kind: IntegratorKind,
+    device: &Accounts,
+    stream: u32,
+) -> Result<Wavefront<Piece>, ExecError> {
     match kind {
         IntegratorKind::Compaction => Wavefront::compaction(device, stream),
         _ => Wavefront::streaming(device, stream),
@@ -131,8 +145,14 @@ fn pools_take_what_room_there_is() {
             assert!(used <= room && used > room / 4, "{kind:?}: {used} of {room} bytes");
         }
         // Thousands of launches for a stream would be no help.
-        let refused = pool(kind, &Accounts::new(whole / 100), stream).err().expect("there is no room").to_string();
-        assert!(refused.contains("has no room for") && refused.contains("smaller picture"), "{refused}");
+        let refused = pool(kind, &Accounts::new(whole / 100), stream)
+            .err()
+            .expect("there is no room")
+            .to_string();
+        assert!(
+            refused.contains("has no room for") && refused.contains("smaller picture"),
+            "{refused}"
+        );
     }
 }
 

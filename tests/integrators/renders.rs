@@ -18,20 +18,32 @@ fn scene(glassy: bool) -> (PreparedScene, Settings) {
     (prepare(&scene), settings(&scene))
 }
 
-fn render<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings, samples: u32) -> Film {
+fn render<E: Executor>(
+    executor: &E,
+    scene: &PreparedScene,
+    settings: &Settings,
+    samples: u32,
+) -> Film {
     let mut renderer = Renderer::new(executor, scene, settings).unwrap();
-    run(&mut renderer, Budget { samples: Some(samples), time: None }, &|| false, &mut |_| ()).unwrap();
+    run(&mut renderer, Budget { samples: Some(samples), time: None }, &|| false, &mut |_| ())
+        .unwrap();
     renderer.film().unwrap()
 }
 
-/// The films of allocators that are exact are the megakernel's, bit for bit; `atomic` adds in any order.
+/// The films of allocators that are exact are the megakernel's, bit for bit; `atomic` adds in any
+/// order.
 #[test]
 fn films_are_the_megakernels_on_the_cpu() {
     let (scene, settings) = scene(true);
     // So small a device cuts pools and streams.
     let device = Small::new(&CpuExecutor, 0);
     for allocator in [Uniform, Paper, Runs, Atomic] {
-        let sampling = Sampling { allocator, initial_samples: 2, round_budget: Some(3.0), ..Sampling::UNIFORM };
+        let sampling = Sampling {
+            allocator,
+            initial_samples: 2,
+            round_budget: Some(3.0),
+            ..Sampling::UNIFORM
+        };
         let settings = Settings { sampling, ..settings };
         let expected = render(&device, &scene, &settings, 40);
         for integrator in OTHERS {
@@ -61,7 +73,9 @@ fn pictures_agree() {
             assert_same_expectation(&found, &expected, &format!("{integrator:?}"));
         }
         with_gpu(|gpu| {
-            for (seed, integrator) in (20..).zip([IntegratorKind::Megakernel].into_iter().chain(OTHERS)) {
+            for (seed, integrator) in
+                (20..).zip([IntegratorKind::Megakernel].into_iter().chain(OTHERS))
+            {
                 let settings = Settings { seed, integrator, ..settings };
                 let found = render(gpu, &scene, &settings, 64);
                 assert_same_expectation(&found, &expected, &format!("{integrator:?} on the GPU"));

@@ -11,8 +11,8 @@ use raystream::render::integrator::{Integrator, StreamBuffers};
 use raystream::render::{IntegratorKind, PreparedScene, SceneBuffers, Settings};
 use raystream::scene::{FilmSize, Scene};
 use raystream_shaders::film::Contribution;
-use raystream_shaders::sampler::hash;
-use raystream_shaders::stream::{NO_PIXEL, Slot};
+use raystream_shaders::film::stream::{NO_PIXEL, Slot};
+use raystream_shaders::math::random::hash;
 use std::ops::Range;
 
 pub const OTHERS: [IntegratorKind; 3] =
@@ -30,7 +30,9 @@ impl Case {
     /// `count` slots: each pixel in runs of three samples, as an allocator makes them.
     pub fn new(name: &str, scene: Scene, count: u32) -> Self {
         let pixels = scene.film.width * scene.film.height;
-        let slots = (0..count).map(|k| Slot { rank: k / 3 % pixels, sample: k % 3 + k / 3 / pixels * 3 }).collect();
+        let slots = (0..count)
+            .map(|k| Slot { rank: k / 3 % pixels, sample: k % 3 + k / 3 / pixels * 3 })
+            .collect();
         Self { name: name.to_owned(), scene: prepare(&scene), settings: settings(&scene), slots }
     }
 
@@ -39,7 +41,10 @@ impl Case {
         let pixels = self.settings.size.width * self.settings.size.height;
         for (k, slot) in (0..).zip(&mut self.slots) {
             let is_empty = hash(k).is_multiple_of(10) || hash(k / 100).is_multiple_of(8);
-            *slot = Slot { rank: if is_empty { NO_PIXEL } else { hash(k ^ 77) % pixels }, sample: hash(k) % 64 };
+            *slot = Slot {
+                rank: if is_empty { NO_PIXEL } else { hash(k ^ 77) % pixels },
+                sample: hash(k) % 64,
+            };
         }
         self.name += ", scrambled";
         self
@@ -54,7 +59,8 @@ impl Case {
         self
     }
 
-    /// The contributions of `part` as the integrator finds them, and the paths under way in its iterations.
+    /// The contributions of `part` as the integrator finds them, and the paths under way in its
+    /// iterations.
     pub fn trace<E: Executor>(
         &self,
         executor: &E,
@@ -65,15 +71,25 @@ impl Case {
         let slots = Array::from_slice(executor, "slots", &self.slots).unwrap();
         // Old contributions are lying about.
         let old = Contribution { rays: 77, ..Contribution::zeroed() };
-        let contributions = Array::from_slice(executor, "contributions", &vec![old; self.slots.len()]).unwrap();
+        let contributions =
+            Array::from_slice(executor, "contributions", &vec![old; self.slots.len()]).unwrap();
         let parameters = self.scene.parameters(&self.settings);
-        let stream =
-            StreamBuffers { scene: &scene, parameters: &parameters, slots: &slots, contributions: &contributions };
+        let stream = StreamBuffers {
+            scene: &scene,
+            parameters: &parameters,
+            slots: &slots,
+            contributions: &contributions,
+        };
         executor.run(&integrator.begin_round(&stream, 0)).unwrap();
         executor.run(&integrator.trace(&stream, part.clone())).unwrap();
         let all = contributions.read(executor).unwrap();
-        let (inside, outside): (Vec<_>, Vec<_>) = (0..).zip(all).partition(|(slot, _)| part.contains(slot));
-        assert!(outside.iter().all(|(_, c)| *c == old), "{}: a slot beyond {part:?} was written", self.name);
+        let (inside, outside): (Vec<_>, Vec<_>) =
+            (0..).zip(all).partition(|(slot, _)| part.contains(slot));
+        assert!(
+            outside.iter().all(|(_, c)| *c == old),
+            "{}: a slot beyond {part:?} was written",
+            self.name
+        );
         let active = integrator.active_paths(executor, &stream, part).unwrap();
         (inside.into_iter().map(|(_, contribution)| contribution).collect(), active)
     }
@@ -89,17 +105,27 @@ impl Case {
 }
 
 /// An integrator whose pool, where it has one, holds `pool` paths.
-pub fn integrator<E: Executor>(executor: &E, kind: IntegratorKind, stream: u32, pool: u32) -> Box<dyn Integrator<E>> {
+pub fn integrator<E: Executor>(
+    executor: &E,
+    kind: IntegratorKind,
+    stream: u32,
+    pool: u32,
+) -> Box<dyn Integrator<E>> {
     match kind {
         IntegratorKind::Lvc => unreachable!("it walks other paths"),
         IntegratorKind::Megakernel => Box::new(Megakernel),
         IntegratorKind::Regeneration => Box::new(Regeneration::new(executor).unwrap()),
-        IntegratorKind::Compaction => Box::new(Wavefront::of_capacity(executor, stream, pool, false).unwrap()),
-        IntegratorKind::Streaming => Box::new(Wavefront::of_capacity(executor, stream, pool, true).unwrap()),
+        IntegratorKind::Compaction => {
+            Box::new(Wavefront::of_capacity(executor, stream, pool, false).unwrap())
+        }
+        IntegratorKind::Streaming => {
+            Box::new(Wavefront::of_capacity(executor, stream, pool, true).unwrap())
+        }
     }
 }
 
-/// A room, open to a bright sky at one place, with a ball of glass, all of whose materials reflect less than they are lit by.
+/// A room, open to a bright sky at one place, with a ball of glass, all of whose materials reflect
+/// less than they are lit by.
 pub fn cases(count: u32) -> Vec<Case> {
     let sized = |mut scene: Scene, width, height| {
         scene.film = FilmSize { width, height };
@@ -116,7 +142,8 @@ pub fn cases(count: u32) -> Vec<Case> {
         Case::new("a mirror ball", room(scenes::mirror(0.9)), count).with(|s| s.roulette_depth = 1),
         Case::new("a mirror ball", room(scenes::mirror(1.0)), count)
             .with(|s| (s.max_depth, s.roulette_depth) = (40, 99)),
-        Case::new("a glowing ball", room(scenes::emissive(3.0, 0.5)), count).with(|s| s.max_depth = 1),
+        Case::new("a glowing ball", room(scenes::emissive(3.0, 0.5)), count)
+            .with(|s| s.max_depth = 1),
         Case::new("a black ball", room(scenes::diffuse(0.0)), count).with(|s| s.max_depth = 2),
         Case::new("a ball without a light", open, count).with(|s| s.background = unlit).scrambled(),
     ]

@@ -2,8 +2,8 @@
 
 use crate::histogram::{SAMPLERS, assert_uniform_over_square, points};
 use glam::{DMat3, DVec3, Vec3};
-use raystream_shaders::camera::Camera;
-use raystream_shaders::sampler::PIXEL;
+use raystream_shaders::math::random::PIXEL;
+use raystream_shaders::scene::camera::Camera;
 
 /// An oblique camera, so that mixed-up axes show.
 fn camera() -> Camera {
@@ -37,9 +37,13 @@ fn rays_are_uniform_over_their_pixel() {
                 assert!((ray.direction.length() - 1.0).abs() < 1e-6);
                 let [u, v] = picture_place(&camera, ray.direction.as_dvec3());
                 let (u, v) = (u - f64::from(x), v - f64::from(y));
-                // Directions are exact to some 1e-7, and a pixel is some 1e-2 of the picture plane's distance.
+                // Directions are exact to some 1e-7, and a pixel is some 1e-2 of the picture
+                // plane's distance.
                 for (drawn, found) in jitter.into_iter().zip([u, v]) {
-                    assert!((f64::from(drawn) - found).abs() < 1e-4, "{jitter:?} became ({u}, {v})");
+                    assert!(
+                        (f64::from(drawn) - found).abs() < 1e-4,
+                        "{jitter:?} became ({u}, {v})"
+                    );
                 }
                 [u, v].map(|place| place.clamp(0.0, 1.0 - 1e-6) as f32)
             });

@@ -3,9 +3,9 @@
 use crate::common::statistics::assert_chi_square;
 use crate::histogram::{SAMPLERS, cell, histogram, points};
 use glam::{DVec3, Vec3};
-use raystream_shaders::material::{diffuse_pdf, sample_diffuse};
+use raystream_shaders::math::random::{BSDF, INDEPENDENT};
 use raystream_shaders::math::{sample_cosine_hemisphere, tangent_frame};
-use raystream_shaders::sampler::{BSDF, INDEPENDENT};
+use raystream_shaders::scene::bsdf::{diffuse_pdf, sample_diffuse};
 use std::f64::consts::{PI, TAU};
 
 const COUNT: u32 = 1 << 17;
@@ -17,8 +17,13 @@ const AZIMUTHS: usize = 32;
 const ROUNDING: f64 = 1e-6;
 
 fn normals() -> Vec<Vec3> {
-    let tilted = [Vec3::new(1.0, -2.0, 0.5), Vec3::new(-0.3, 0.2, -0.9), Vec3::new(1e-4, -2e-4, -1.0)];
-    Vec3::AXES.into_iter().chain(Vec3::AXES.map(|axis| -axis)).chain(tilted.map(Vec3::normalize)).collect()
+    let tilted =
+        [Vec3::new(1.0, -2.0, 0.5), Vec3::new(-0.3, 0.2, -0.9), Vec3::new(1e-4, -2e-4, -1.0)];
+    Vec3::AXES
+        .into_iter()
+        .chain(Vec3::AXES.map(|axis| -axis))
+        .chain(tilted.map(Vec3::normalize))
+        .collect()
 }
 
 /// The cell of `direction` in the hemisphere about `normal`, in a frame of the test's own.
@@ -27,7 +32,8 @@ fn hemisphere_cell(normal: Vec3, direction: Vec3) -> usize {
     let (cosine, tangent) = (normal.dot(direction), normal.any_orthonormal_vector());
     assert!((direction.length() - 1.0).abs() < ROUNDING, "{direction} has not unit length");
     assert!(cosine > -ROUNDING, "{direction} is below the surface of normal {normal}");
-    let azimuth = direction.dot(normal.cross(tangent)).atan2(direction.dot(tangent)).rem_euclid(TAU);
+    let azimuth =
+        direction.dot(normal.cross(tangent)).atan2(direction.dot(tangent)).rem_euclid(TAU);
     cell(cosine, COSINES) * AZIMUTHS + cell(azimuth / TAU, AZIMUTHS)
 }
 
@@ -42,7 +48,11 @@ fn assert_cosine_distributed(sample: impl Fn(Vec3, [f32; 2]) -> Vec3, kind: u32,
         .collect();
     for normal in normals() {
         let cells = points(kind, BSDF, COUNT).map(|u| hemisphere_cell(normal, sample(normal, u)));
-        assert_chi_square(&histogram(COSINES * AZIMUTHS, cells), &expected, &format!("{name} about {normal}"));
+        assert_chi_square(
+            &histogram(COSINES * AZIMUTHS, cells),
+            &expected,
+            &format!("{name} about {normal}"),
+        );
     }
 }
 
@@ -68,7 +78,14 @@ fn uniform_directions_are_rejected() {
 /// Corners, edges and the middle of the square.
 #[test]
 fn extreme_numbers_give_directions() {
-    let ends = [0.0, f32::MIN_POSITIVE, 0.5 - f32::EPSILON, 0.5, 0.5 + f32::EPSILON, 1.0 - f32::EPSILON / 2.0];
+    let ends = [
+        0.0,
+        f32::MIN_POSITIVE,
+        0.5 - f32::EPSILON,
+        0.5,
+        0.5 + f32::EPSILON,
+        1.0 - f32::EPSILON / 2.0,
+    ];
     for normal in normals() {
         for x in ends {
             for y in ends {
@@ -80,12 +97,18 @@ fn extreme_numbers_give_directions() {
 
 #[test]
 fn tangent_frames_are_right_handed_and_orthonormal() {
-    let random = points(INDEPENDENT, BSDF, 10_000).zip(points(INDEPENDENT, 2, 10_000)).map(|([x, y], [z, scale])| {
-        // Every second one is close to the pole.
-        let height = if scale < 0.5 { scale - 0.25 } else { (scale - 0.75) * 1e3 };
-        (Vec3::new(x, y, z) - 0.5).with_z(height).normalize()
-    });
-    for n in normals().into_iter().chain([Vec3::new(0.0, -0.0, -1.0), Vec3::new(1.0, 0.0, -0.0)]).chain(random) {
+    let random = points(INDEPENDENT, BSDF, 10_000).zip(points(INDEPENDENT, 2, 10_000)).map(
+        |([x, y], [z, scale])| {
+            // Every second one is close to the pole.
+            let height = if scale < 0.5 { scale - 0.25 } else { (scale - 0.75) * 1e3 };
+            (Vec3::new(x, y, z) - 0.5).with_z(height).normalize()
+        },
+    );
+    for n in normals()
+        .into_iter()
+        .chain([Vec3::new(0.0, -0.0, -1.0), Vec3::new(1.0, 0.0, -0.0)])
+        .chain(random)
+    {
         let (x, y) = tangent_frame(n);
         let [x, y, z] = [x, y, n].map(Vec3::as_dvec3);
         let errors = [x.dot(y), x.dot(z), y.dot(z), x.length() - 1.0, y.length() - 1.0];
@@ -120,10 +143,17 @@ fn the_diffuse_bsdf_has_the_density_that_it_says() {
                 let sample = sample_diffuse(reflectance, normal, u);
                 assert_eq!(sample.pdf, diffuse_pdf(normal, sample.direction));
                 let brdf_cosine = reflectance / PI as f32 * normal.dot(sample.direction);
-                assert!((sample.weight * sample.pdf - brdf_cosine).abs().max_element() < ROUNDING as f32);
+                assert!(
+                    (sample.weight * sample.pdf - brdf_cosine).abs().max_element()
+                        < ROUNDING as f32
+                );
                 hemisphere_cell(normal, sample.direction)
             });
-            assert_chi_square(&histogram(COSINES * AZIMUTHS, cells), &expected, &format!("{name} about {normal}"));
+            assert_chi_square(
+                &histogram(COSINES * AZIMUTHS, cells),
+                &expected,
+                &format!("{name} about {normal}"),
+            );
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Counting of random numbers.
 
 use crate::common::statistics::assert_chi_square;
-use raystream_shaders::sampler::{INDEPENDENT, SOBOL, SampleStream};
+use raystream_shaders::math::random::{INDEPENDENT, SOBOL, SampleStream};
 
 /// Both kinds of random numbers, with their names.
 pub const SAMPLERS: [(u32, &str); 2] = [(SOBOL, "Sobol"), (INDEPENDENT, "independent")];
@@ -14,7 +14,8 @@ pub fn points(kind: u32, dimension: u32, count: u32) -> impl Iterator<Item = [f3
     (0..count).map(move |index| SampleStream::new(kind, 7, 1234, index).pair(dimension))
 }
 
-/// The cell, of `cells` along [0, 1], that holds `u`; what rounding took outside belongs to the end.
+/// The cell, of `cells` along [0, 1], that holds `u`; what rounding took outside belongs to the
+/// end.
 pub fn cell(u: f64, cells: usize) -> usize {
     ((u * cells as f64) as usize).min(cells - 1)
 }

@@ -4,9 +4,9 @@
 
 use crate::common::statistics::assert_chi_square;
 use crate::histogram::{SAMPLERS, assert_uniform_over_square, histogram};
-use raystream_shaders::sampler::{
-    BSDF, CHOICES, DIMENSIONS_PER_VERTEX, INDEPENDENT, LIGHT_POINT, PIXEL, SOBOL, SampleStream, hash, of_vertex,
-    scrambled_sobol, unit_float,
+use raystream_shaders::math::random::{
+    BSDF, CHOICES, DIMENSIONS_PER_VERTEX, INDEPENDENT, LIGHT_POINT, PIXEL, SOBOL, SampleStream,
+    hash, of_vertex, scrambled_sobol, unit_float,
 };
 
 const COUNT: u32 = 1 << 18;
@@ -22,8 +22,13 @@ fn assert_independent(a: impl Fn(u32) -> [f32; 2], b: impl Fn(u32) -> [f32; 2], 
 }
 
 /// Dimensions that a path draws one after the other, or for the same thing at two vertices.
-const DIMENSIONS: [(u32, u32); 5] =
-    [(PIXEL, BSDF), (BSDF, LIGHT_POINT), (LIGHT_POINT, CHOICES), (BSDF, DIMENSIONS_PER_VERTEX + BSDF), (PIXEL, 23)];
+const DIMENSIONS: [(u32, u32); 5] = [
+    (PIXEL, BSDF),
+    (BSDF, LIGHT_POINT),
+    (LIGHT_POINT, CHOICES),
+    (BSDF, DIMENSIONS_PER_VERTEX + BSDF),
+    (PIXEL, 23),
+];
 
 #[test]
 fn dimensions_are_independent_over_the_pixels() {
@@ -31,8 +36,14 @@ fn dimensions_are_independent_over_the_pixels() {
     for (kind, name) in SAMPLERS {
         for index in [0, 1, 13] {
             for (a, b) in DIMENSIONS {
-                let draw = |dimension| move |pixel| SampleStream::new(kind, 1, pixel, index).pair(dimension);
-                assert_independent(draw(a), draw(b), &format!("{name}: sample {index}, dimensions {a} and {b}"));
+                let draw = |dimension| {
+                    move |pixel| SampleStream::new(kind, 1, pixel, index).pair(dimension)
+                };
+                assert_independent(
+                    draw(a),
+                    draw(b),
+                    &format!("{name}: sample {index}, dimensions {a} and {b}"),
+                );
             }
         }
     }
@@ -41,7 +52,8 @@ fn dimensions_are_independent_over_the_pixels() {
 #[test]
 fn dimensions_are_independent_over_the_samples() {
     for (a, b) in DIMENSIONS {
-        let draw = |dimension| move |index| SampleStream::new(INDEPENDENT, 1, 4711, index).pair(dimension);
+        let draw =
+            |dimension| move |index| SampleStream::new(INDEPENDENT, 1, 4711, index).pair(dimension);
         assert_independent(draw(a), draw(b), &format!("dimensions {a} and {b}"));
     }
 }
@@ -66,9 +78,17 @@ fn seeds_are_independent() {
         for (seed_a, seed_b) in [(0, 1), (1, 2), (1, 0x8000_0001), (3, u32::MAX)] {
             let stream = |seed, pixel| SampleStream::new(kind, seed, pixel, 2);
             let draw = |seed| move |pixel| stream(seed, pixel).pair(BSDF);
-            assert_independent(draw(seed_a), draw(seed_b), &format!("{name}: seeds {seed_a} and {seed_b}"));
+            assert_independent(
+                draw(seed_a),
+                draw(seed_b),
+                &format!("{name}: seeds {seed_a} and {seed_b}"),
+            );
             for pixel in 0..COUNT {
-                assert_ne!(stream(seed_a, pixel).bits(BSDF), stream(seed_b, pixel).bits(BSDF), "{name}: pixel {pixel}");
+                assert_ne!(
+                    stream(seed_a, pixel).bits(BSDF),
+                    stream(seed_b, pixel).bits(BSDF),
+                    "{name}: pixel {pixel}"
+                );
             }
         }
     }
@@ -76,17 +96,23 @@ fn seeds_are_independent() {
 
 /// How many leading binary digits two numbers share, at most 5.
 fn shared_digits(a: f32, b: f32) -> usize {
-    (0..5).take_while(|digit| ((a * 2.0_f32.powi(digit + 1)) as u32) == ((b * 2.0_f32.powi(digit + 1)) as u32)).count()
+    (0..5)
+        .take_while(|digit| {
+            ((a * 2.0_f32.powi(digit + 1)) as u32) == ((b * 2.0_f32.powi(digit + 1)) as u32)
+        })
+        .count()
 }
 
-/// Asserts that how close two samples of a pixel are in one dimension says nothing about how close they are in another.
+/// Asserts that how close two samples of a pixel are in one dimension says nothing about how close
+/// they are in another.
 ///
-/// Owen scrambling keeps the number of shared digits, so this tells whether the order of the points is shuffled: `draw` gives
-/// the first axis of two dimensions, for a pixel and a sample. Samples 0 and 32 to 63 share k digits with probability
-/// 2^-(k+1) if the shuffle is uniform.
+/// Owen scrambling keeps the number of shared digits, so this tells whether the order of the points
+/// is shuffled: `draw` gives the first axis of two dimensions, for a pixel and a sample. Samples 0
+/// and 32 to 63 share k digits with probability 2^-(k+1) if the shuffle is uniform.
 fn assert_order_is_shuffled(draw: impl Fn(u32, u32) -> [f32; 2]) {
     let digits = |k: usize| if k < 5 { 0.5_f64.powi(k as i32 + 1) } else { 0.5_f64.powi(5) };
-    let expected: Vec<f64> = (0..36).map(|c| digits(c / 6) * digits(c % 6) * f64::from(COUNT)).collect();
+    let expected: Vec<f64> =
+        (0..36).map(|c| digits(c / 6) * digits(c % 6) * f64::from(COUNT)).collect();
     for other in [32, 37, 62, 63] {
         let cells = (0..COUNT).map(|pixel| {
             let ([a, b], [other_a, other_b]) = (draw(pixel, 0), draw(pixel, other));
@@ -120,7 +146,8 @@ fn a_common_order_is_rejected() {
 #[test]
 #[should_panic(expected = "chi-square")]
 fn dependent_dimensions_are_rejected() {
-    let draw = |dimension| move |index| SampleStream::new(INDEPENDENT, 1, 4711, index).pair(dimension);
+    let draw =
+        |dimension| move |index| SampleStream::new(INDEPENDENT, 1, 4711, index).pair(dimension);
     let dependent = |index| {
         let ([ax, ay], [bx, by]) = (draw(BSDF)(index), draw(CHOICES)(index));
         [(bx + 0.1 * ax).fract(), if index % 10 == 0 { ay } else { by }]

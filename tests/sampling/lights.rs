@@ -5,9 +5,9 @@ use crate::common::{prepare, statistics::assert_chi_square};
 use crate::histogram::{SAMPLERS, assert_uniform, cell, histogram, points};
 use glam::{DVec3, Vec3};
 use raystream::render::PreparedScene;
-use raystream_shaders::light::{Light, LightPoint, LightView, area_pdf, importance};
-use raystream_shaders::material::Material;
-use raystream_shaders::sampler::{CHOICES, INDEPENDENT, LIGHT_POINT, SampleStream};
+use raystream_shaders::math::random::{CHOICES, INDEPENDENT, LIGHT_POINT, SampleStream};
+use raystream_shaders::scene::bsdf::Material;
+use raystream_shaders::scene::light::{Light, LightPoint, LightView, area_pdf, importance};
 
 const COUNT: u32 = 1 << 18;
 /// A triangle is divided into SIDE^2 equal ones.
@@ -20,12 +20,22 @@ fn lamps() -> PreparedScene {
     add_quad(&mut scene, Vec3::new(-1.0, -1.0, -2.0), Vec3::X, Vec3::Y, wall);
     for (radiance, corners) in [
         (Vec3::new(1.0, 2.0, 3.0), [Vec3::ZERO, Vec3::X, Vec3::Y]),
-        (Vec3::new(50.0, 0.0, 0.0), [Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.2, 0.2, 0.3), Vec3::new(0.1, 0.3, 0.4)]),
-        (Vec3::splat(0.25), [Vec3::new(-2.0, 1.0, 1.0), Vec3::new(3.0, 2.0, 1.0), Vec3::new(0.0, -2.0, 3.0)]),
-        (Vec3::new(0.0, 0.0, 7.0), [Vec3::new(1.0, 1.0, -1.0), Vec3::new(1.0, 3.0, -1.0), Vec3::new(1.0, 1.2, 0.5)]),
+        (
+            Vec3::new(50.0, 0.0, 0.0),
+            [Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.2, 0.2, 0.3), Vec3::new(0.1, 0.3, 0.4)],
+        ),
+        (
+            Vec3::splat(0.25),
+            [Vec3::new(-2.0, 1.0, 1.0), Vec3::new(3.0, 2.0, 1.0), Vec3::new(0.0, -2.0, 3.0)],
+        ),
+        (
+            Vec3::new(0.0, 0.0, 7.0),
+            [Vec3::new(1.0, 1.0, -1.0), Vec3::new(1.0, 3.0, -1.0), Vec3::new(1.0, 1.2, 0.5)],
+        ),
         (Vec3::new(1e-3, 2e-3, 0.0), [Vec3::ZERO, Vec3::Z, Vec3::X]),
     ] {
-        let material = add_material(&mut scene, Material { emission: radiance, ..scenes::diffuse(0.1) });
+        let material =
+            add_material(&mut scene, Material { emission: radiance, ..scenes::diffuse(0.1) });
         add_triangle(&mut scene, corners, material);
         add_triangle(&mut scene, corners.map(|corner| corner - Vec3::Z * 3.0), wall);
     }
@@ -45,7 +55,8 @@ fn probabilities(lights: &[Light]) -> Vec<f64> {
 
 /// How far `position` is along the edges of `light`.
 fn barycentric(light: &Light, position: Vec3) -> [f64; 2] {
-    let [edge1, edge2, offset] = [light.edge1, light.edge2, position - light.corner].map(Vec3::as_dvec3);
+    let [edge1, edge2, offset] =
+        [light.edge1, light.edge2, position - light.corner].map(Vec3::as_dvec3);
     let normal = edge1.cross(edge2);
     let over = |v: DVec3| v.dot(normal) / normal.length_squared();
     let place = [over(offset.cross(edge2)), over(edge1.cross(offset))];
@@ -56,7 +67,8 @@ fn barycentric(light: &Light, position: Vec3) -> [f64; 2] {
     place
 }
 
-/// The number of the small triangle that holds a point: rows of squares, each of two triangles but for the last.
+/// The number of the small triangle that holds a point: rows of squares, each of two triangles but
+/// for the last.
 fn small_triangle([a, b]: [f64; 2]) -> usize {
     let row = cell(a, SIDE);
     let column = cell(b, SIDE).min(SIDE - row - 1);
@@ -70,15 +82,24 @@ fn lights_are_chosen_by_their_power() {
     let scene = lamps();
     let view = LightView::new(&scene.lights, scene.lights.len() as u32);
     assert_eq!(scene.lights.len(), 5);
-    let expected: Vec<f64> = probabilities(&scene.lights).iter().map(|p| p * f64::from(COUNT)).collect();
+    let expected: Vec<f64> =
+        probabilities(&scene.lights).iter().map(|p| p * f64::from(COUNT)).collect();
     for (kind, name) in SAMPLERS {
         let over_samples = (0..COUNT).map(|index| SampleStream::new(kind, 1, 5, index));
         let over_pixels = (0..COUNT).map(|pixel| SampleStream::new(kind, 1, pixel, 5));
         let count = |streams: &mut dyn Iterator<Item = SampleStream>| {
             histogram(5, streams.map(|stream| view.choose(stream.bits(CHOICES)[0]) as usize))
         };
-        assert_chi_square(&count(&mut { over_samples }), &expected, &format!("{name}: over the samples"));
-        assert_chi_square(&count(&mut { over_pixels }), &expected, &format!("{name}: over the pixels"));
+        assert_chi_square(
+            &count(&mut { over_samples }),
+            &expected,
+            &format!("{name}: over the samples"),
+        );
+        assert_chi_square(
+            &count(&mut { over_pixels }),
+            &expected,
+            &format!("{name}: over the pixels"),
+        );
     }
 }
 
@@ -87,7 +108,8 @@ fn lights_are_chosen_by_their_power() {
 #[should_panic(expected = "chi-square")]
 fn a_choice_regardless_of_power_is_rejected() {
     let scene = lamps();
-    let expected: Vec<f64> = probabilities(&scene.lights).iter().map(|p| p * f64::from(COUNT)).collect();
+    let expected: Vec<f64> =
+        probabilities(&scene.lights).iter().map(|p| p * f64::from(COUNT)).collect();
     let chosen = points(INDEPENDENT, CHOICES, COUNT).map(|[choice, _]| cell(choice.into(), 5));
     assert_chi_square(&histogram(5, chosen), &expected, "regardless of power");
 }
@@ -98,12 +120,18 @@ fn densities_integrate_to_1_and_are_those_that_a_path_finds() {
     let integral: f64 = scene.lights.iter().map(|light| area(light) * f64::from(light.pdf)).sum();
     assert!((integral - 1.0).abs() < 1e-6, "{integral}");
     let view = LightView::new(&scene.lights, scene.lights.len() as u32);
-    for ((index, light), probability) in scene.lights.iter().enumerate().zip(probabilities(&scene.lights)) {
+    for ((index, light), probability) in
+        scene.lights.iter().enumerate().zip(probabilities(&scene.lights))
+    {
         let point = view.sample(index as u32, [0.3, 0.6]);
         assert_eq!(point.pdf, area_pdf(light.radiance, scene.total_importance), "light {index}");
-        assert!((f64::from(point.pdf) * area(light) / probability - 1.0).abs() < 1e-6, "light {index}");
+        assert!(
+            (f64::from(point.pdf) * area(light) / probability - 1.0).abs() < 1e-6,
+            "light {index}"
+        );
     }
-    let power: f64 = scene.lights.iter().map(|light| area(light) * f64::from(importance(light.radiance))).sum();
+    let power: f64 =
+        scene.lights.iter().map(|light| area(light) * f64::from(importance(light.radiance))).sum();
     assert!((f64::from(scene.total_importance) / power - 1.0).abs() < 1e-6);
 }
 
@@ -115,7 +143,8 @@ fn points_are_uniform_over_each_light() {
         let normal = light.edge1.as_dvec3().cross(light.edge2.as_dvec3()).normalize();
         for (kind, name) in SAMPLERS {
             let cells = points(kind, LIGHT_POINT, COUNT).map(|u| {
-                let LightPoint { position, normal: found, radiance, .. } = view.sample(index as u32, u);
+                let LightPoint { position, normal: found, radiance, .. } =
+                    view.sample(index as u32, u);
                 assert!((found.as_dvec3() - normal).length() < 1e-6 && radiance == light.radiance);
                 small_triangle(barycentric(light, position))
             });
@@ -124,14 +153,20 @@ fn points_are_uniform_over_each_light() {
     }
 }
 
-/// Choice and point together, as a path draws them: the density over all lights' area is the one that is returned.
+/// Choice and point together, as a path draws them: the density over all lights' area is the one
+/// that is returned.
 #[test]
 fn points_have_the_density_that_they_say() {
     let scene = lamps();
     let view = LightView::new(&scene.lights, scene.lights.len() as u32);
     let per_light = SIDE * SIDE;
     let expected: Vec<f64> = (scene.lights.iter())
-        .flat_map(|light| vec![f64::from(COUNT) * f64::from(light.pdf) * area(light) / per_light as f64; per_light])
+        .flat_map(|light| {
+            vec![
+                f64::from(COUNT) * f64::from(light.pdf) * area(light) / per_light as f64;
+                per_light
+            ]
+        })
         .collect();
     for (kind, name) in SAMPLERS {
         for index in [0, 3] {
@@ -139,9 +174,14 @@ fn points_have_the_density_that_they_say() {
                 let stream = SampleStream::new(kind, 1, pixel, index);
                 let light = view.choose(stream.bits(CHOICES)[0]);
                 let point = view.sample(light, stream.pair(LIGHT_POINT));
-                light as usize * per_light + small_triangle(barycentric(&scene.lights[light as usize], point.position))
+                light as usize * per_light
+                    + small_triangle(barycentric(&scene.lights[light as usize], point.position))
             });
-            assert_chi_square(&histogram(5 * per_light, cells), &expected, &format!("{name}: sample {index}"));
+            assert_chi_square(
+                &histogram(5 * per_light, cells),
+                &expected,
+                &format!("{name}: sample {index}"),
+            );
         }
     }
 }

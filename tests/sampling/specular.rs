@@ -4,8 +4,8 @@ use crate::common::scenes::glass;
 use crate::common::statistics::assert_chi_square;
 use crate::histogram::{SAMPLERS, histogram};
 use glam::{DVec3, Vec3};
-use raystream_shaders::material::{BsdfSample, Material, sample_dielectric, sample_mirror};
-use raystream_shaders::sampler::{CHOICES, INDEPENDENT, SampleStream, unit_float};
+use raystream_shaders::math::random::{CHOICES, INDEPENDENT, SampleStream, unit_float};
+use raystream_shaders::scene::bsdf::{BsdfSample, Material, sample_dielectric, sample_mirror};
 
 const COUNT: u32 = 1 << 16;
 
@@ -17,15 +17,17 @@ const INDICES: [f32; 5] = [1.33, 1.5, 2.42, 1.0 / 1.33, 1.0];
 
 /// Normals with rays that come in at `degrees` to them.
 fn arrivals(degrees: f64) -> impl Iterator<Item = (Vec3, Vec3)> {
-    [DVec3::Z, DVec3::NEG_Y, DVec3::new(1.0, -2.0, 0.5).normalize()].into_iter().map(move |normal| {
-        let (sin, cos) = degrees.to_radians().sin_cos();
-        let incoming = normal.any_orthonormal_vector() * sin - normal * cos;
-        (normal.as_vec3(), incoming.as_vec3().normalize())
-    })
+    [DVec3::Z, DVec3::NEG_Y, DVec3::new(1.0, -2.0, 0.5).normalize()].into_iter().map(
+        move |normal| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let incoming = normal.any_orthonormal_vector() * sin - normal * cos;
+            (normal.as_vec3(), incoming.as_vec3().normalize())
+        },
+    )
 }
 
-/// Fresnel's reflectance of unpolarised light that arrives at `degrees` and goes over to `eta` times the index, by the angles
-/// on both sides.
+/// Fresnel's reflectance of unpolarised light that arrives at `degrees` and goes over to `eta`
+/// times the index, by the angles on both sides.
 fn reflectance(degrees: f64, eta: f64) -> f64 {
     let incident = degrees.to_radians();
     let sin_refracted = incident.sin() / eta;
@@ -40,7 +42,8 @@ fn reflectance(degrees: f64, eta: f64) -> f64 {
     0.5 * ((difference.sin() / sum.sin()).powi(2) + (difference.tan() / sum.tan()).powi(2))
 }
 
-/// Each index from both sides: the material, whether from outside, and the ratio of the indices, far side over near.
+/// Each index from both sides: the material, whether from outside, and the ratio of the indices,
+/// far side over near.
 fn sides() -> impl Iterator<Item = (Material, bool, f64)> {
     INDICES.into_iter().flat_map(|ior| {
         let material = Material { transmittance: Vec3::new(0.9, 0.5, 0.1), ..glass(ior) };
@@ -49,7 +52,8 @@ fn sides() -> impl Iterator<Item = (Material, bool, f64)> {
     })
 }
 
-/// Angles from straight to grazing, and a fifth of a degree on both sides of total reflection's limit.
+/// Angles from straight to grazing, and a fifth of a degree on both sides of total reflection's
+/// limit.
 fn angles(eta: f64) -> Vec<f64> {
     let limit = eta.asin().to_degrees();
     let near_limit = [limit - 0.2, limit + 0.2].into_iter().filter(|a| a.is_finite() && *a < 90.0);
@@ -83,8 +87,12 @@ fn dielectrics_reflect_by_fresnels_formulas() {
             let (normal, incoming) = arrivals(degrees).last().expect("there are normals");
             for (kind, name) in SAMPLERS {
                 let what = format!("{name}: ratio {eta}, {degrees} degrees");
-                let reflects =
-                    |u| is_reflected(&sample_dielectric(&material, normal, from_outside, incoming, u), normal);
+                let reflects = |u| {
+                    is_reflected(
+                        &sample_dielectric(&material, normal, from_outside, incoming, u),
+                        normal,
+                    )
+                };
                 assert_lobes(reflects, reflectance(degrees, eta), kind, &what);
             }
         }
@@ -101,8 +109,8 @@ fn schlicks_approximation_is_rejected() {
     assert_lobes(|u| f64::from(u) < schlick, reflectance(degrees, eta), INDEPENDENT, "Schlick");
 }
 
-/// The direction and weight of both lobes; energy: what crosses is spread over the squared ratio's share of solid angle, so
-/// radiance times that is what the colours leave.
+/// The direction and weight of both lobes; energy: what crosses is spread over the squared ratio's
+/// share of solid angle, so radiance times that is what the colours leave.
 #[test]
 fn dielectrics_obey_snells_law_and_lose_only_what_their_colours_take() {
     for (material, from_outside, eta) in sides() {
@@ -116,13 +124,19 @@ fn dielectrics_obey_snells_law_and_lose_only_what_their_colours_take() {
                     assert_eq!(sample.pdf, 0.0, "{what}: a delta distribution");
                     let tangential = |v: DVec3| v - n * n.dot(v);
                     let (colour, squeeze, refraction) = if is_reflected(&sample, normal) {
-                        assert!((out.dot(n) + i.dot(n)).abs() < ROUNDING, "{what}: the angles differ");
+                        assert!(
+                            (out.dot(n) + i.dot(n)).abs() < ROUNDING,
+                            "{what}: the angles differ"
+                        );
                         (material.reflectance, 1.0, 1.0)
                     } else {
                         assert!(degrees.to_radians().sin() < eta, "{what}: reflection is total");
                         (material.transmittance, eta * eta, eta)
                     };
-                    assert!((tangential(out) - tangential(i) / refraction).length() < ROUNDING, "{what}: {out}");
+                    assert!(
+                        (tangential(out) - tangential(i) / refraction).length() < ROUNDING,
+                        "{what}: {out}"
+                    );
                     let energy = sample.weight.as_dvec3() * squeeze;
                     assert!((energy - colour.as_dvec3()).length() < ROUNDING, "{what}: {energy}");
                 }
@@ -131,17 +145,25 @@ fn dielectrics_obey_snells_law_and_lose_only_what_their_colours_take() {
     }
 }
 
-/// Through a slab with parallel sides a ray keeps its direction, and its radiance but for the colour.
+/// Through a slab with parallel sides a ray keeps its direction, and its radiance but for the
+/// colour.
 #[test]
 fn a_slab_keeps_direction_and_radiance() {
     for ior in INDICES {
         for degrees in [0.0, 20.0, 45.0] {
             for (normal, incoming) in arrivals(degrees) {
                 let inside = sample_dielectric(&glass(ior), normal, true, incoming, 0.999);
-                let outside = sample_dielectric(&glass(ior), normal, false, inside.direction, 0.999);
+                let outside =
+                    sample_dielectric(&glass(ior), normal, false, inside.direction, 0.999);
                 let weight = (inside.weight * outside.weight).as_dvec3();
-                assert!((outside.direction - incoming).as_dvec3().length() < 2.0 * ROUNDING, "{ior}, {degrees}");
-                assert!((weight - DVec3::ONE).length() < 2.0 * ROUNDING, "{ior}, {degrees}: {weight}");
+                assert!(
+                    (outside.direction - incoming).as_dvec3().length() < 2.0 * ROUNDING,
+                    "{ior}, {degrees}"
+                );
+                assert!(
+                    (weight - DVec3::ONE).length() < 2.0 * ROUNDING,
+                    "{ior}, {degrees}: {weight}"
+                );
             }
         }
     }
@@ -154,7 +176,10 @@ fn mirrors_reflect() {
         for (normal, incoming) in arrivals(degrees) {
             let sample = sample_mirror(colour, normal, incoming);
             let [n, i, out] = [normal, incoming, sample.direction].map(Vec3::as_dvec3);
-            assert!((out - (i - n * (2.0 * i.dot(n)))).length() < ROUNDING, "{degrees} degrees: {out}");
+            assert!(
+                (out - (i - n * (2.0 * i.dot(n)))).length() < ROUNDING,
+                "{degrees} degrees: {out}"
+            );
             assert!((out.length() - 1.0).abs() < ROUNDING, "{degrees} degrees: {out}");
             assert_eq!((sample.weight, sample.pdf), (colour, 0.0));
         }

@@ -3,7 +3,8 @@
 use raystream_shaders::math::power_heuristic;
 
 /// Densities from the smallest number to infinity.
-const DENSITIES: [f32; 12] = [f32::MIN_POSITIVE, 1e-30, 1e-12, 1e-3, 0.3, 1.0, 2.0, 77.0, 1e6, 1e19, 1e30, f32::MAX];
+const DENSITIES: [f32; 12] =
+    [f32::MIN_POSITIVE, 1e-30, 1e-12, 1e-3, 0.3, 1.0, 2.0, 77.0, 1e6, 1e19, 1e30, f32::MAX];
 
 #[test]
 fn the_weights_of_two_techniques_sum_to_1() {

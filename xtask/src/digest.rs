@@ -1,7 +1,8 @@
 //! What the checked-in SPIR-V was compiled from, as a text file of digests.
 //!
-//! Compiling needs a special compiler; comparing digests does not. So every `cargo test` can tell that a kernel was changed
-//! and not compiled. It cannot tell that the module is right: that is what `cargo shaders --check` does.
+//! Compiling needs a special compiler; comparing digests does not. So every `cargo test` can tell
+//! that a kernel was changed and not compiled. It cannot tell that the module is right: that is
+//! what `cargo shaders --check` does.
 
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
@@ -14,11 +15,13 @@ pub const MODULE: &str = "host-crate/shaders/kernels.spv";
 /// The text file of digests, relative to the repository's root.
 pub const DIGEST: &str = "host-crate/shaders/kernels.digest";
 
-/// The packages whose code becomes part of the kernels. Others in the shader crate's tree run on the host only.
-const PACKAGES: [&str; 6] = ["glam", "libm", "num-traits", "spirv-std", "spirv-std-macros", "spirv-std-types"];
+/// The packages whose code becomes part of the kernels. Others in the shader crate's tree run on
+/// the host only.
+const PACKAGES: [&str; 6] =
+    ["glam", "libm", "num-traits", "spirv-std", "spirv-std-macros", "spirv-std-types"];
 
-/// What [`DIGEST`] must say, given the sources and the [`MODULE`] that lie under `root`: a line per locked
-/// package, per source file of the shader crate and for the module.
+/// What [`DIGEST`] must say, given the sources and the [`MODULE`] that lie under `root`: a line per
+/// locked package, per source file of the shader crate and for the module.
 ///
 /// # Errors
 ///
@@ -35,7 +38,8 @@ pub fn current(root: &Path) -> Result<String> {
     list_rust_files(root, "shader-crate/src", &mut sources)?;
     sources.sort();
     for source in sources {
-        // A checkout may have turned line ends into those of its system, in comments and code alike.
+        // A checkout may have turned line ends into those of its system, in comments and code
+        // alike.
         let contents = String::from_utf8_lossy(&read(root, &source)?).replace("\r\n", "\n");
         push_line(&mut text, &sha256(contents.as_bytes()), &source);
     }
@@ -53,7 +57,8 @@ fn push_line(text: &mut String, value: &str, name: &str) {
 /// The versions of `package` in the text of a Cargo.lock, in its order.
 fn locked_versions(lock: &str, package: &str) -> Result<Vec<String>> {
     let name = format!("name = \"{package}\"");
-    let version = |line: &str| line.strip_prefix("version = \"")?.strip_suffix('"').map(str::to_owned);
+    let version =
+        |line: &str| line.strip_prefix("version = \"")?.strip_suffix('"').map(str::to_owned);
     let lines = || lock.lines();
     let versions: Vec<_> = lines()
         .zip(lines().skip(1))
@@ -61,13 +66,15 @@ fn locked_versions(lock: &str, package: &str) -> Result<Vec<String>> {
         .filter_map(|(_, next)| version(next))
         .collect();
     if versions.is_empty() {
-        let message = format!("Cargo.lock has no package {package}; correct the list in xtask/src/digest.rs");
+        let message =
+            format!("Cargo.lock has no package {package}; correct the list in xtask/src/digest.rs");
         return Err(Error::new(ErrorKind::NotFound, message));
     }
     Ok(versions)
 }
 
-/// Appends the Rust files under `folder`, as paths relative to `root` with forward slashes. Others are what editors and tools leave.
+/// Appends the Rust files under `folder`, as paths relative to `root` with forward slashes. Others
+/// are what editors and tools leave.
 fn list_rust_files(root: &Path, folder: &str, files: &mut Vec<String>) -> Result<()> {
     let path = root.join(folder);
     for entry in fs::read_dir(&path).map_err(|error| name_path(&path, &error))? {

@@ -1,7 +1,8 @@
 //! Raystream's developer commands.
 //!
-//! `cargo shaders` compiles the kernels to the SPIR-V module that the renderer embeds. The module is checked in, so that
-//! building the renderer takes nothing but stable Rust; whoever changes a kernel runs this and commits the result.
+//! `cargo shaders` compiles the kernels to the SPIR-V module that the renderer embeds. The module
+//! is checked in, so that building the renderer takes nothing but stable Rust; whoever changes a
+//! kernel runs this and commits the result.
 #![deny(missing_docs)]
 
 mod compiler;
@@ -25,13 +26,16 @@ struct Arguments {
 enum Command {
     /// Compile shader-crate to host-crate/shaders/kernels.spv.
     ///
-    /// The compiler is the one that RUST_GPU_TOOLCHAIN (a rustup toolchain) and RUSTC_CODEGEN_SPIRV (path of the
-    /// backend's library) name. When they are not set, it is installed first, from the internet.
+    /// The compiler is the one that RUST_GPU_TOOLCHAIN (a rustup toolchain) and RUSTC_CODEGEN_SPIRV
+    /// (path of the backend's library) name. When they are not set, it is installed first, from the
+    /// internet.
     Shaders {
-        /// Write nothing; compile, compare with the checked-in files and exit with status 1 when they differ.
+        /// Write nothing; compile, compare with the checked-in files and exit with status 1 when
+        /// they differ.
         #[arg(long)]
         check: bool,
-        /// Have the kernels check every index, and end a thread that is wrong: for finding bugs, not to be committed.
+        /// Have the kernels check every index, and end a thread that is wrong: for finding bugs,
+        /// not to be committed.
         #[arg(long, conflicts_with = "check")]
         bounds_checks: bool,
     },

@@ -14,18 +14,20 @@ pub enum Outcome {
     Stale(String),
 }
 
-/// Compiles the kernels, and writes the module and the digest of what it was compiled from. Kernels that check every index are for
-/// debugging: [`check`] finds them stale.
+/// Compiles the kernels, and writes the module and the digest of what it was compiled from. Kernels
+/// that check every index are for debugging: [`check`] finds them stale.
 pub fn write(bounds_checks: bool) -> Result<Outcome> {
     let root = root()?;
     let module = compile(root, bounds_checks)?;
     let path = root.join(MODULE);
     let unchanged = fs::read(&path).is_ok_and(|old| old == module);
     if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
+        fs::create_dir_all(folder)
+            .with_context(|| format!("cannot create {}", folder.display()))?;
     }
     fs::write(&path, &module).with_context(|| format!("cannot write {MODULE}"))?;
-    fs::write(root.join(DIGEST), digest::current(root)?).with_context(|| format!("cannot write {DIGEST}"))?;
+    fs::write(root.join(DIGEST), digest::current(root)?)
+        .with_context(|| format!("cannot write {DIGEST}"))?;
     let change = if unchanged { "unchanged" } else { "changed" };
     Ok(Outcome::UpToDate(format!("{MODULE}: {} bytes, {change}", module.len())))
 }
@@ -34,7 +36,8 @@ pub fn write(bounds_checks: bool) -> Result<Outcome> {
 pub fn check() -> Result<Outcome> {
     let root = root()?;
     let compiled = compile(root, false)?;
-    let module = fs::read(root.join(MODULE)).with_context(|| format!("cannot read {MODULE}; run `cargo shaders`"))?;
+    let module = fs::read(root.join(MODULE))
+        .with_context(|| format!("cannot read {MODULE}; run `cargo shaders`"))?;
     if let Some(difference) = first_difference(&compiled, &module) {
         return Ok(Outcome::Stale(format!(
             "{MODULE} is stale: it has {} bytes, the sources compile to {}, and they differ from offset {difference} on; \
@@ -43,8 +46,8 @@ pub fn check() -> Result<Outcome> {
             compiled.len(),
         )));
     }
-    let digest =
-        fs::read_to_string(root.join(DIGEST)).with_context(|| format!("cannot read {DIGEST}; run `cargo shaders`"))?;
+    let digest = fs::read_to_string(root.join(DIGEST))
+        .with_context(|| format!("cannot read {DIGEST}; run `cargo shaders`"))?;
     if !digest.lines().eq(digest::current(root)?.lines()) {
         return Ok(Outcome::Stale(format!(
             "{DIGEST} is stale, though {MODULE} is not; run `cargo shaders` and commit the result"

@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// Makes the folder, and those above it, unless it is there, and makes sure that it takes files.
+    /// Makes the folder, and those above it, unless it is there, and makes sure that it takes
+    /// files.
     ///
     /// # Errors
     /// [`BenchError::Folder`] if it cannot be made or written to.

@@ -1,5 +1,6 @@
-//! Measurements: traversal ([`rays`]), whole paths ([`paths`]), integrators side by side ([`integrators`]) and what adaptive sampling or another integrator gains
-//! ([`convergence`]). Each checks its own result before it gives a figure.
+//! Measurements: traversal ([`rays`]), whole paths ([`paths`]), integrators side by side
+//! ([`integrators`]) and what adaptive sampling or another integrator gains ([`convergence`]). Each
+//! checks its own result before it gives a figure.
 
 pub mod convergence;
 mod files;
@@ -29,7 +30,8 @@ pub struct About {
 impl About {
     /// The heading of the scene's part of a report and, in a list, the facts.
     fn heading(&self) -> String {
-        let facts: String = self.facts.iter().map(|(name, value)| format!("- {name}: {value}\n")).collect();
+        let facts: String =
+            self.facts.iter().map(|(name, value)| format!("- {name}: {value}\n")).collect();
         format!("## {}\n\n{facts}", self.label)
     }
 
@@ -44,7 +46,8 @@ impl About {
 pub struct SceneReport {
     /// What to print.
     pub tables: String,
-    /// The same with the plots and pictures, by their paths from the folder above that of the scene.
+    /// The same with the plots and pictures, by their paths from the folder above that of the
+    /// scene.
     pub section: String,
 }
 
@@ -97,7 +100,8 @@ pub fn value_name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-/// A device that has been idle runs slowly at first: a GPU at a sixth of its clock, for most of a second.
+/// A device that has been idle runs slowly at first: a GPU at a sixth of its clock, for most of a
+/// second.
 const WARM_UP: Duration = Duration::from_secs(1);
 /// One that was left alone for a moment, by a program that is measuring, needs no more than this.
 const KEEP_WARM: Duration = Duration::from_millis(200);

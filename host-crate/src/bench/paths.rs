@@ -24,8 +24,8 @@ pub struct PathSpeed {
 
 /// Renders for `time`, after a short run that warms up.
 ///
-/// The result is checked: the picture's two halves (even and odd samples) must be finite and their means agree within five
-/// standard errors of their difference.
+/// The result is checked: the picture's two halves (even and odd samples) must be finite and their
+/// means agree within five standard errors of their difference.
 pub fn measure<E: Executor>(
     executor: &E,
     scene: &PreparedScene,
@@ -33,13 +33,15 @@ pub fn measure<E: Executor>(
     time: Duration,
 ) -> Result<PathSpeed, BenchError> {
     let mut renderer = Renderer::new(executor, scene, settings)?;
-    let mut render =
-        |time: Duration| run(&mut renderer, Budget { samples: None, time: Some(time) }, &|| false, &mut |_| ());
+    let mut render = |time: Duration| {
+        run(&mut renderer, Budget { samples: None, time: Some(time) }, &|| false, &mut |_| ())
+    };
     let warm_up = render(WARM_UP)?;
     let outcome = render(time)?;
     let film = renderer.film()?;
-    let [even, odd] =
-        film.halves().map(|half| half.iter().map(|c| f64::from(c.element_sum()) / 3.0).collect::<Vec<_>>());
+    let [even, odd] = film
+        .halves()
+        .map(|half| half.iter().map(|c| f64::from(c.element_sum()) / 3.0).collect::<Vec<_>>());
     let pixels = even.len() as f64;
     let mean = even.iter().zip(&odd).map(|(a, b)| (a + b) / 2.0).sum::<f64>() / pixels;
     let difference = even.iter().zip(&odd).map(|(a, b)| a - b).sum::<f64>() / pixels;

@@ -15,7 +15,11 @@ type Root<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 
 /// What `draw` draws on white.
-fn svg(title: &str, size: (u32, u32), draw: impl FnOnce(&Root<'_>) -> Drawn) -> Result<Vec<u8>, BenchError> {
+fn svg(
+    title: &str,
+    size: (u32, u32),
+    draw: impl FnOnce(&Root<'_>) -> Drawn,
+) -> Result<Vec<u8>, BenchError> {
     let mut svg = String::new();
     let drawn = || -> Drawn {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
@@ -23,16 +27,29 @@ fn svg(title: &str, size: (u32, u32), draw: impl FnOnce(&Root<'_>) -> Drawn) -> 
         draw(&root)?;
         Ok(root.present()?)
     };
-    drawn().map_err(|error| BenchError::Report { what: format!("the plot '{title}'"), reason: error.to_string() })?;
+    drawn().map_err(|error| BenchError::Report {
+        what: format!("the plot '{title}'"),
+        reason: error.to_string(),
+    })?;
     Ok(svg.into_bytes())
 }
 
 /// Curves in log-log scale; points with a coordinate that is not above 0 are left out.
-pub fn curves(title: &str, x_title: &str, y_title: &str, curves: &[Curve]) -> Result<Vec<u8>, BenchError> {
+pub fn curves(
+    title: &str,
+    x_title: &str,
+    y_title: &str,
+    curves: &[Curve],
+) -> Result<Vec<u8>, BenchError> {
     let positive = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
-        points.iter().copied().filter(|&(x, y)| x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite()).collect()
+        points
+            .iter()
+            .copied()
+            .filter(|&(x, y)| x > 0.0 && y > 0.0 && x.is_finite() && y.is_finite())
+            .collect()
     };
-    let curves: Vec<Curve> = curves.iter().map(|(name, points)| (name.clone(), positive(points))).collect();
+    let curves: Vec<Curve> =
+        curves.iter().map(|(name, points)| (name.clone(), positive(points))).collect();
     let all = || curves.iter().flat_map(|(_, points)| points);
     let x_range = padded(all().map(|p| p.0));
     let y_range = padded(all().map(|p| p.1));
@@ -46,14 +63,24 @@ pub fn curves(title: &str, x_title: &str, y_title: &str, curves: &[Curve]) -> Re
 }
 
 /// Lines in linear scale, from 0 on.
-pub fn lines(title: &str, x_title: &str, y_title: &str, lines: &[Curve]) -> Result<Vec<u8>, BenchError> {
+pub fn lines(
+    title: &str,
+    x_title: &str,
+    y_title: &str,
+    lines: &[Curve],
+) -> Result<Vec<u8>, BenchError> {
     let largest = |coordinate: fn(&(f64, f64)) -> f64| {
-        lines.iter().flat_map(|(_, points)| points).map(coordinate).filter(|c| c.is_finite()).fold(0.0, f64::max)
+        lines
+            .iter()
+            .flat_map(|(_, points)| points)
+            .map(coordinate)
+            .filter(|c| c.is_finite())
+            .fold(0.0, f64::max)
     };
     let end = |largest: f64| if largest > 0.0 { 1.05 * largest } else { 1.0 };
     svg(title, SIZE, |root| {
-        let mut chart =
-            chart_builder(root, title).build_cartesian_2d(0.0..end(largest(|p| p.0)), 0.0..end(largest(|p| p.1)))?;
+        let mut chart = chart_builder(root, title)
+            .build_cartesian_2d(0.0..end(largest(|p| p.0)), 0.0..end(largest(|p| p.1)))?;
         draw_series(&mut chart, x_title, y_title, LINEAR_TICKS, lines, false)
     })
 }
@@ -127,7 +154,8 @@ where
 
 /// From the smallest to the largest of `values`, with some room; 0.1 to 10 if there are none.
 fn padded(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
-    let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+    let (low, high) =
+        values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
     if low > high { 0.1..10.0 } else { low / 1.3..high * 1.3 }
 }
 
@@ -143,7 +171,9 @@ fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
     (first..=last)
         .step_by(step)
         // Parsed, a power of ten is the nearest number there is.
-        .flat_map(|exponent| factors.iter().filter_map(move |factor| format!("{factor}e{exponent}").parse().ok()))
+        .flat_map(|exponent| {
+            factors.iter().filter_map(move |factor| format!("{factor}e{exponent}").parse().ok())
+        })
         .filter(|tick| range.contains(tick))
         .collect()
 }
@@ -155,7 +185,11 @@ fn tick(value: f64) -> String {
     }
     let decimals = (2 - value.log10().floor() as i32).max(0) as usize;
     let text = format!("{value:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
 }
 
 /// A bar: its name and the parts that it is made of, from the left.
@@ -163,12 +197,16 @@ pub type Bar = (String, Vec<(&'static str, f64)>);
 
 /// Horizontal bars of stacked parts. All bars have the same parts.
 pub fn bars(title: &str, x_title: &str, bars: &[Bar]) -> Result<Vec<u8>, BenchError> {
-    let longest = bars.iter().map(|(_, parts)| parts.iter().map(|p| p.1).sum::<f64>()).fold(0.0, f64::max);
+    let longest =
+        bars.iter().map(|(_, parts)| parts.iter().map(|p| p.1).sum::<f64>()).fold(0.0, f64::max);
     let count = bars.len().max(1);
     let name = |row: f64| {
         // Bars go from the top.
         let index = (count as f64 - row).floor();
-        bars.get(index as usize).filter(|_| index >= 0.0).map(|(name, _)| name.clone()).unwrap_or_default()
+        bars.get(index as usize)
+            .filter(|_| index >= 0.0)
+            .map(|(name, _)| name.clone())
+            .unwrap_or_default()
     };
     svg(title, (SIZE.0, 150 + 36 * count as u32), |root| {
         let mut chart = ChartBuilder::on(root)
@@ -195,12 +233,14 @@ pub fn bars(title: &str, x_title: &str, bars: &[Bar]) -> Result<Vec<u8>, BenchEr
             let rectangles = bars.iter().enumerate().map(|(index, (_, parts))| {
                 let from: f64 = parts[..part].iter().map(|p| p.1).sum();
                 let bottom = (count - 1 - index) as f64;
-                Rectangle::new([(from, bottom + 0.15), (from + parts[part].1, bottom + 0.85)], color.filled())
+                Rectangle::new(
+                    [(from, bottom + 0.15), (from + parts[part].1, bottom + 0.85)],
+                    color.filled(),
+                )
             });
-            chart
-                .draw_series(rectangles)?
-                .label(bars[0].1[part].0)
-                .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 14, y + 5)], color.filled()));
+            chart.draw_series(rectangles)?.label(bars[0].1[part].0).legend(move |(x, y)| {
+                Rectangle::new([(x, y - 5), (x + 14, y + 5)], color.filled())
+            });
         }
         draw_legend(&mut chart)?;
         for row in 0..count {
@@ -246,7 +286,8 @@ mod tests {
 
     #[test]
     fn curves_have_names_and_titles() {
-        let falling = |factor: f64| (1..9).map(|k| (f64::from(k) * 1e-3, factor / f64::from(k))).collect();
+        let falling =
+            |factor: f64| (1..9).map(|k| (f64::from(k) * 1e-3, factor / f64::from(k))).collect();
         let all = [("uniform".to_owned(), falling(1.0)), ("runs-<x>".to_owned(), falling(0.1))];
         let svg = text(curves("Cornell", "seconds", "RMSE", &all));
         for part in ["<svg", "</svg>", "Cornell", "seconds", "RMSE", "uniform", "runs-&lt;x&gt;"] {
@@ -257,19 +298,30 @@ mod tests {
 
     #[test]
     fn any_points_can_be_drawn() {
-        for points in [vec![], vec![(1.0, 1.0)], vec![(0.0, 0.0), (f64::NAN, 1.0)], vec![(1e-9, 1e-30), (1e9, 1e30)]] {
+        for points in [
+            vec![],
+            vec![(1.0, 1.0)],
+            vec![(0.0, 0.0), (f64::NAN, 1.0)],
+            vec![(1e-9, 1e-30), (1e9, 1e30)],
+        ] {
             text(curves("t", "x", "y", &[("a".into(), points)]));
         }
         text(curves("t", "x", "y", &[]));
         text(lines("t", "x", "y", &[]));
-        text(lines("t", "x", "y", &[("a".into(), vec![(0.0, 0.0)]), ("b".into(), vec![(1.0, 1e9), (2.0, f64::NAN)])]));
+        text(lines(
+            "t",
+            "x",
+            "y",
+            &[("a".into(), vec![(0.0, 0.0)]), ("b".into(), vec![(1.0, 1e9), (2.0, f64::NAN)])],
+        ));
         text(bars("t", "x", &[]));
         text(bars("t", "x", &[("a".into(), vec![("p", 0.0)])]));
     }
 
     #[test]
     fn every_bar_has_all_parts() {
-        let bar = |name: &str, a: f64, b: f64| (name.to_owned(), vec![("generation", a), ("tracing", b)]);
+        let bar =
+            |name: &str, a: f64, b: f64| (name.to_owned(), vec![("generation", a), ("tracing", b)]);
         let svg = text(bars("Time", "ns", &[bar("uniform", 0.1, 2.0), bar("runs", 0.3, 2.5)]));
         for part in ["uniform", "runs", "generation", "tracing", "ns"] {
             assert!(svg.contains(part), "{part} is missing");

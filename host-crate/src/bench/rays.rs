@@ -5,11 +5,11 @@ use crate::exec::{Array, Executor, Kernel, Launch, View, kernels};
 use crate::render::{PreparedScene, SceneBuffers, Settings};
 use bytemuck::Zeroable;
 use rayon::prelude::*;
-use raystream_shaders::path::PathParams;
+use raystream_shaders::film::stream::Slot;
+use raystream_shaders::integrator::path::PathParams;
 use raystream_shaders::probe::ProbeParams;
-use raystream_shaders::ray::{Hit, NO_TRIANGLE, Ray};
-use raystream_shaders::stream::Slot;
-use raystream_shaders::triangle::TriangleView;
+use raystream_shaders::scene::ray::{Hit, NO_TRIANGLE, Ray};
+use raystream_shaders::scene::triangle::TriangleView;
 use std::time::Duration;
 
 /// The speed of one kind of rays.
@@ -23,7 +23,8 @@ pub struct RaySpeed {
     pub hits: f64,
     /// Rays that were checked against brute force.
     pub checked: usize,
-    /// Those of them that found another triangle at the same distance (coincident or touching surfaces).
+    /// Those of them that found another triangle at the same distance (coincident or touching
+    /// surfaces).
     pub ties: usize,
 }
 
@@ -69,7 +70,8 @@ pub fn measure<E: Executor>(
     let occluded: Array<E::Buffer, u32> = Array::zeroed(executor, "hits", count)?;
 
     let closest = |rays: &Array<E::Buffer, Ray>| {
-        let views = || vec![rays.view(), buffers.nodes.view(), buffers.triangles.view(), hits.view()];
+        let views =
+            || vec![rays.view(), buffers.nodes.view(), buffers.triangles.view(), hits.view()];
         time(executor, options, || Launch::new(&kernels::closest_hits, &probe_parameters, views()))
     };
     let traced = |rays: &Array<E::Buffer, Ray>| -> Result<Traced, BenchError> {
@@ -79,15 +81,25 @@ pub fn measure<E: Executor>(
     make(&kernels::primary_rays, vec![slots.view(), primary.view()])?;
     let time_of_primary = closest(&primary)?;
     let traced_primary = traced(&primary)?;
-    make(&kernels::bounce_rays, vec![primary.view(), hits.view(), buffers.triangles.view(), bounced.view()])?;
+    make(
+        &kernels::bounce_rays,
+        vec![primary.view(), hits.view(), buffers.triangles.view(), bounced.view()],
+    )?;
     make(
         &kernels::shadow_rays,
-        vec![primary.view(), hits.view(), buffers.triangles.view(), buffers.lights.view(), shadow.view()],
+        vec![
+            primary.view(),
+            hits.view(),
+            buffers.triangles.view(),
+            buffers.lights.view(),
+            shadow.view(),
+        ],
     )?;
     let time_of_bounced = closest(&bounced)?;
     let traced_bounced = traced(&bounced)?;
     let time_of_shadow = time(executor, options, || {
-        let views = vec![shadow.view(), buffers.nodes.view(), buffers.triangles.view(), occluded.view()];
+        let views =
+            vec![shadow.view(), buffers.nodes.view(), buffers.triangles.view(), occluded.view()];
         Launch::new(&kernels::any_hits, &probe_parameters, views)
     })?;
     // Where a shadow ray hits does not count, only whether.
@@ -101,8 +113,18 @@ pub fn measure<E: Executor>(
     };
 
     Ok(vec![
-        speed("primary", time_of_primary, check_closest(scene, &traced_primary, options)?, &traced_primary),
-        speed("diffuse bounce", time_of_bounced, check_closest(scene, &traced_bounced, options)?, &traced_bounced),
+        speed(
+            "primary",
+            time_of_primary,
+            check_closest(scene, &traced_primary, options)?,
+            &traced_primary,
+        ),
+        speed(
+            "diffuse bounce",
+            time_of_bounced,
+            check_closest(scene, &traced_bounced, options)?,
+            &traced_bounced,
+        ),
         speed("shadow", time_of_shadow, check_any(scene, &traced_shadow, options)?, &traced_shadow),
     ])
 }
@@ -160,7 +182,11 @@ pub fn same_distance(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-4 * a.abs().max(b.abs())
 }
 
-fn check_closest(scene: &PreparedScene, traced: &Traced, options: Options) -> Result<Check, BenchError> {
+fn check_closest(
+    scene: &PreparedScene,
+    traced: &Traced,
+    options: Options,
+) -> Result<Check, BenchError> {
     let indices = sample(traced.rays.len(), options.checks);
     let wrong = |index: usize, expected: &Hit| {
         BenchError::Wrong(format!(
@@ -183,22 +209,35 @@ fn check_closest(scene: &PreparedScene, traced: &Traced, options: Options) -> Re
             }
         })
         .collect::<Vec<Result<usize, BenchError>>>();
-    // A ray through an edge may pass beside a triangle in one arithmetic and not in the other: one in a thousand is let off.
+    // A ray through an edge may pass beside a triangle in one arithmetic and not in the other: one
+    // in a thousand is let off.
     let failures = ties.iter().filter(|tie| tie.is_err()).count();
     if failures * 1000 > indices.len() {
-        return Err(ties.into_iter().find_map(Result::err).unwrap_or_else(|| BenchError::Wrong("no hit".into())));
+        return Err(ties
+            .into_iter()
+            .find_map(Result::err)
+            .unwrap_or_else(|| BenchError::Wrong("no hit".into())));
     }
     Ok(Check { checked: indices.len(), ties: ties.into_iter().flatten().sum::<usize>() + failures })
 }
 
-fn check_any(scene: &PreparedScene, traced: &Traced, options: Options) -> Result<Check, BenchError> {
+fn check_any(
+    scene: &PreparedScene,
+    traced: &Traced,
+    options: Options,
+) -> Result<Check, BenchError> {
     let indices = sample(traced.rays.len(), options.checks);
     let differing = indices
         .par_iter()
-        .filter(|&&index| traced.hits[index].is_some() != brute_force(scene, &traced.rays[index]).is_some())
+        .filter(|&&index| {
+            traced.hits[index].is_some() != brute_force(scene, &traced.rays[index]).is_some()
+        })
         .count();
     if differing * 1000 > indices.len() {
-        return Err(BenchError::Wrong(format!("{differing} of {} shadow rays differ from brute force", indices.len())));
+        return Err(BenchError::Wrong(format!(
+            "{differing} of {} shadow rays differ from brute force",
+            indices.len()
+        )));
     }
     Ok(Check { checked: indices.len(), ties: differing })
 }

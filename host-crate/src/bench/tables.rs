@@ -25,7 +25,8 @@ impl Column {
         Self { title: title.to_owned(), cells: cells.into_iter().collect() }
     }
 
-    /// Ratios to two digits, with the largest in bold where there are several; a dash where there is none.
+    /// Ratios to two digits, with the largest in bold where there are several; a dash where there
+    /// is none.
     pub fn ratios(title: &str, ratios: &[Option<f64>]) -> Self {
         let best = ratios.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
         let several = ratios.iter().flatten().count() > 1;
@@ -41,11 +42,18 @@ impl Column {
 /// A Markdown table of columns of equal length.
 pub fn markdown(columns: &[Column]) -> String {
     let width = |column: &Column| {
-        column.cells.iter().chain([&column.title]).map(|cell| cell.chars().count()).max().unwrap_or_default()
+        column
+            .cells
+            .iter()
+            .chain([&column.title])
+            .map(|cell| cell.chars().count())
+            .max()
+            .unwrap_or_default()
     };
     let widths: Vec<usize> = columns.iter().map(width).collect();
     let line = |cell: &dyn Fn(usize) -> String| {
-        let cells: Vec<_> = widths.iter().enumerate().map(|(i, &width)| format!("{:<width$}", cell(i))).collect();
+        let cells: Vec<_> =
+            widths.iter().enumerate().map(|(i, &width)| format!("{:<width$}", cell(i))).collect();
         format!("| {} |\n", cells.join(" | "))
     };
     let mut text = line(&|i| columns[i].title.clone());
@@ -86,6 +94,9 @@ mod tests {
             value: Option<f64>,
         }
         let rows = [Row { name: "a, b", value: Some(0.5) }, Row { name: "c", value: None }];
-        assert_eq!(String::from_utf8(csv(rows).unwrap()).unwrap(), "name,value\n\"a, b\",0.5\nc,\n");
+        assert_eq!(
+            String::from_utf8(csv(rows).unwrap()).unwrap(),
+            "name,value\n\"a, b\",0.5\nc,\n"
+        );
     }
 }

@@ -16,13 +16,16 @@ use std::time::Duration;
 /// What to measure.
 #[derive(Subcommand)]
 pub enum BenchCommand {
-    /// Rays per second of the traversal: primary, diffuse-bounce and shadow rays, checked against brute force.
+    /// Rays per second of the traversal: primary, diffuse-bounce and shadow rays, checked against
+    /// brute force.
     Rays(RaysArguments),
     /// Paths per second of whole renders.
     Paths(PathsArguments),
-    /// Integrators side by side: speed, memory, agreement, and how many paths are under way in each iteration.
+    /// Integrators side by side: speed, memory, agreement, and how many paths are under way in each
+    /// iteration.
     Integrators(IntegratorsArguments),
-    /// Error over time of adaptive and of uniform sampling, with one integrator or several: speed-ups at equal error, errors at equal time, and where the time goes.
+    /// Error over time of adaptive and of uniform sampling, with one integrator or several:
+    /// speed-ups at equal error, errors at equal time, and where the time goes.
     Convergence(ConvergenceArguments),
 }
 
@@ -68,12 +71,16 @@ pub fn run(command: &BenchCommand) -> Result<Ending, CliError> {
     match command {
         BenchCommand::Convergence(arguments) => return convergence::run(arguments),
         BenchCommand::Integrators(arguments) => return integrators::run(arguments),
-        BenchCommand::Rays(arguments) => arguments
-            .common
-            .for_each_scene(Some(RAYS_SIZE), |device, scene, settings| bench_rays(arguments, device, scene, settings)),
-        BenchCommand::Paths(arguments) => arguments
-            .common
-            .for_each_scene(None, |device, scene, settings| bench_paths(arguments.time, device, scene, settings)),
+        BenchCommand::Rays(arguments) => {
+            arguments.common.for_each_scene(Some(RAYS_SIZE), |device, scene, settings| {
+                bench_rays(arguments, device, scene, settings)
+            })
+        }
+        BenchCommand::Paths(arguments) => {
+            arguments.common.for_each_scene(None, |device, scene, settings| {
+                bench_paths(arguments.time, device, scene, settings)
+            })
+        }
     }?;
     Ok(Ending::Done)
 }
@@ -110,7 +117,8 @@ fn bench_rays(
     scene: &PreparedScene,
     settings: &Settings,
 ) -> Result<(), CliError> {
-    let options = rays::Options { repetitions: arguments.repetitions, checks: arguments.checks as usize };
+    let options =
+        rays::Options { repetitions: arguments.repetitions, checks: arguments.checks as usize };
     let speeds = match device {
         Device::Cpu(cpu) => rays::measure(cpu, scene, settings, options),
         Device::Gpu(gpu) => rays::measure(gpu.as_ref(), scene, settings, options),
@@ -128,7 +136,12 @@ fn bench_rays(
     Ok(())
 }
 
-fn bench_paths(time: Duration, device: &Device, scene: &PreparedScene, settings: &Settings) -> Result<(), CliError> {
+fn bench_paths(
+    time: Duration,
+    device: &Device,
+    scene: &PreparedScene,
+    settings: &Settings,
+) -> Result<(), CliError> {
     let speed = match device {
         Device::Cpu(cpu) => paths::measure(cpu, scene, settings, time),
         Device::Gpu(gpu) => paths::measure(gpu.as_ref(), scene, settings, time),
@@ -137,7 +150,11 @@ fn bench_paths(time: Duration, device: &Device, scene: &PreparedScene, settings:
     let share = |part: Duration| 100.0 * part.as_secs_f64() / speed.outcome.elapsed.as_secs_f64();
     print_line(&format!(
         "    {:.3} Mpaths/s, {:.2} Mrays/s, {:.2} rays a path, {} paths, mean {:.6}",
-        speed.mpaths_per_second, speed.mrays_per_second, speed.rays_per_path, speed.outcome.paths, speed.mean
+        speed.mpaths_per_second,
+        speed.mrays_per_second,
+        speed.rays_per_path,
+        speed.outcome.paths,
+        speed.mean
     ))?;
     print_line(&format!(
         "    tracing {:.1} %, generation {:.2} %, accumulation {:.2} % of {:.2} s",

@@ -14,7 +14,8 @@ pub struct CompareArguments {
     test: PathBuf,
     /// The picture to judge it by.
     reference: PathBuf,
-    /// Write the signed difference: red where the first picture is brighter, blue where it is darker.
+    /// Write the signed difference: red where the first picture is brighter, blue where it is
+    /// darker.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// How strongly the difference picture shows small differences.
@@ -23,33 +24,42 @@ pub struct CompareArguments {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Also test whether both show the same scene: the samples per pixel of the reference, which must be an independent render. The
-    /// first picture must be an EXR that Raystream wrote, for its variance.
+    /// Also test whether both show the same scene: the samples per pixel of the reference, which
+    /// must be an independent render. The first picture must be an EXR that Raystream wrote, for
+    /// its variance.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     reference_samples: Option<u32>,
 }
 
-/// Blocks for the test of agreement: small enough to find a wrong corner, large enough to average noise away.
+/// Blocks for the test of agreement: small enough to find a wrong corner, large enough to average
+/// noise away.
 const BLOCK: [u32; 2] = [40, 30];
 
 /// Compares two pictures.
 pub fn run(arguments: &CompareArguments) -> Result<Ending, CliError> {
     let CompareArguments { test: test_path, reference: reference_path, .. } = arguments;
-    let in_context =
-        |error: image::ImageError| format!("{} and {}: {error}", test_path.display(), reference_path.display());
+    let in_context = |error: image::ImageError| {
+        format!("{} and {}: {error}", test_path.display(), reference_path.display())
+    };
     if let Some(path) = &arguments.output {
         image::check_writable(path)?;
         if [test_path, reference_path].into_iter().any(|input| is_same_file(input, path)) {
-            return Err(format!("{}: -o would replace a picture to compare; name another file", path.display()).into());
+            return Err(format!(
+                "{}: -o would replace a picture to compare; name another file",
+                path.display()
+            )
+            .into());
         }
     }
     let test = image::read_color(test_path)?;
     let reference = image::read_color(reference_path)?;
-    let comparison = image::compare(&test, &reference, &ComparisonSettings::default()).map_err(in_context)?;
+    let comparison =
+        image::compare(&test, &reference, &ComparisonSettings::default()).map_err(in_context)?;
     if arguments.json {
         print_line(&serde_json::to_string_pretty(&comparison)?)?;
     } else {
-        let ratio = |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.5}"));
+        let ratio =
+            |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.5}"));
         print_line(&format!("RMSE            {:.6}", comparison.rmse))?;
         print_line(&format!("relMSE          {:.6}", comparison.relative_mse))?;
         print_line(&format!(
@@ -72,8 +82,14 @@ pub fn run(arguments: &CompareArguments) -> Result<Ending, CliError> {
         }
     }
     if let Some(path) = &arguments.output {
-        let difference = image::difference(&test, &reference, arguments.gain).map_err(in_context)?;
-        image::write_color(path, &difference, &[], &Display { exposure: 0.0, tone_map: ToneMap::Clip })?;
+        let difference =
+            image::difference(&test, &reference, arguments.gain).map_err(in_context)?;
+        image::write_color(
+            path,
+            &difference,
+            &[],
+            &Display { exposure: 0.0, tone_map: ToneMap::Clip },
+        )?;
     }
     if let Some(samples) = arguments.reference_samples {
         print_agreement(test_path, &test, &reference, f64::from(samples))?;
@@ -81,17 +97,24 @@ pub fn run(arguments: &CompareArguments) -> Result<Ending, CliError> {
     Ok(Ending::Done)
 }
 
-fn print_agreement(path: &Path, test: &ColorImage, reference: &ColorImage, samples: f64) -> Result<(), CliError> {
+fn print_agreement(
+    path: &Path,
+    test: &ColorImage,
+    reference: &ColorImage,
+    samples: f64,
+) -> Result<(), CliError> {
     let layers = image::read_layers(path)?;
     let channel = |name: &str| {
-        layers
-            .channel(name)
-            .ok_or_else(|| format!("{}: has no channel {name}; render it with raystream", path.display()))
+        layers.channel(name).ok_or_else(|| {
+            format!("{}: has no channel {name}; render it with raystream", path.display())
+        })
     };
     let [r, g, b] = [channel("variance.R")?, channel("variance.G")?, channel("variance.B")?];
-    let variance: Vec<Vec3> = r.iter().zip(g).zip(b).map(|((&r, &g), &b)| Vec3::new(r, g, b)).collect();
+    let variance: Vec<Vec3> =
+        r.iter().zip(g).zip(b).map(|((&r, &g), &b)| Vec3::new(r, g, b)).collect();
     let counts = channel("samples.N")?;
-    let own_samples = counts.iter().map(|&n| f64::from(n)).sum::<f64>() / counts.len().max(1) as f64;
+    let own_samples =
+        counts.iter().map(|&n| f64::from(n)).sum::<f64>() / counts.len().max(1) as f64;
     let result = image::agreement(test, &variance, own_samples / samples, reference, BLOCK)?;
     print_line(&format!(
         "agreement       mean {:+.3} %, worst of {} blocks of {}x{} pixels {:.2} standard errors at ({}, {}), {} fireflies aside",

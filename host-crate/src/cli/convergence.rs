@@ -20,42 +20,60 @@ use std::path::{Path, PathBuf};
 /// The options of `raystream bench convergence`.
 #[derive(Args)]
 pub struct ConvergenceArguments {
-    /// Scene files, or names of scenes that ship; each may end in @WIDTHxHEIGHT, the size of its picture.
+    /// Scene files, or names of scenes that ship; each may end in @WIDTHxHEIGHT, the size of its
+    /// picture.
     #[arg(default_values = ["cornell_ball", "cornell_ball@600x600"], value_parser = parse_entry)]
     scenes: Vec<Entry>,
-    /// Integrators to measure, separated by commas: all allocators, estimators and measures with each of them, and uniform sampling with the first is what all are
-    /// compared with [default: the one that --integrator names].
+    /// Integrators to measure, separated by commas: all allocators, estimators and measures with
+    /// each of them, and uniform sampling with the first is what all are compared with [default:
+    /// the one that --integrator names].
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST")]
     integrators: Vec<IntegratorKind>,
     /// Who renders the reference [default: the integrator that --integrator names].
     #[arg(long, value_enum, value_name = "INTEGRATOR")]
     reference_integrator: Option<IntegratorKind>,
-    /// Allocators to measure, separated by commas; uniform is measured in any case, once with each integrator.
+    /// Allocators to measure, separated by commas; uniform is measured in any case, once with each
+    /// integrator.
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_values_t = ALLOCATORS)]
     allocators: Vec<AllocatorKind>,
     /// Error estimators to measure with each of them.
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "bilateral")]
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "LIST",
+        default_value = "bilateral"
+    )]
     estimators: Vec<Estimator>,
     /// Measures of the error to use with each of them.
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "absolute")]
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "LIST",
+        default_value = "absolute"
+    )]
     errors: Vec<ErrorMeasure>,
     /// Samples per pixel to render, on average over the pixels.
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES / REFERENCE_FACTOR))]
     spp: u32,
-    /// Samples per pixel of uniform sampling whose error and time the others are compared at, separated by commas [default: 64
-    /// and 256, as far as --spp goes].
+    /// Samples per pixel of uniform sampling whose error and time the others are compared at,
+    /// separated by commas [default: 64 and 256, as far as --spp goes].
     #[arg(long, value_delimiter = ',', value_name = "LIST", value_parser = clap::value_parser!(u32).range(1..))]
     levels: Vec<u32>,
-    /// Renders of each configuration, with the seeds from --seed on: errors are averaged, of times the median counts.
+    /// Renders of each configuration, with the seeds from --seed on: errors are averaged, of times
+    /// the median counts.
     #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     repetitions: u32,
     /// Samples per pixel of the reference [default: 64 times --spp].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=MAX_SAMPLES))]
     reference_spp: Option<u32>,
-    /// Folder to keep references in [default: raystream in the user's folder for caches, such as ~/.cache].
+    /// Folder to keep references in [default: raystream in the user's folder for caches, such as
+    /// ~/.cache].
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
-    /// Folder for the results: report.md, and a folder with tables, plots and pictures for each scene.
+    /// Folder for the results: report.md, and a folder with tables, plots and pictures for each
+    /// scene.
     #[arg(short, long, value_name = "DIR", default_value = "convergence")]
     output: PathBuf,
     /// Do not say what happens meanwhile.
@@ -144,14 +162,22 @@ impl ConvergenceArguments {
     fn check_seed(&self) -> Result<(), String> {
         let seed = self.settings.seed();
         if REFERENCE_SEEDS.iter().any(|reference| reference.wrapping_sub(seed) < self.repetitions) {
-            return Err(format!("--seed {seed}: the reference has one of the seeds from here on; choose a lower one"));
+            return Err(format!(
+                "--seed {seed}: the reference has one of the seeds from here on; choose a lower one"
+            ));
         }
         Ok(())
     }
 
     fn configurations(&self) -> Vec<Configuration> {
-        let relative: Vec<bool> = self.errors.iter().map(|&measure| measure == ErrorMeasure::Relative).collect();
-        Configuration::combinations(&self.integrators(), &self.allocators, &self.estimators, &relative)
+        let relative: Vec<bool> =
+            self.errors.iter().map(|&measure| measure == ErrorMeasure::Relative).collect();
+        Configuration::combinations(
+            &self.integrators(),
+            &self.allocators,
+            &self.estimators,
+            &relative,
+        )
     }
 
     /// The integrators to measure, each once, at least one.
@@ -170,7 +196,9 @@ impl ConvergenceArguments {
             Some(folder) => Ok(folder.clone()),
             None => etcetera::choose_base_strategy()
                 .map(|strategy| strategy.cache_dir().join("raystream"))
-                .map_err(|error| format!("there is no folder for caches ({error}); name one with --cache")),
+                .map_err(|error| {
+                    format!("there is no folder for caches ({error}); name one with --cache")
+                }),
         }
     }
 
@@ -198,11 +226,22 @@ impl ConvergenceArguments {
         let identity = Identity::new(&scene, &reference_settings, samples);
         let prepared = self.settings.prepare(scene)?;
         let path = cache.file(&format!("{label}-{samples}spp-{}.exr", identity.short()));
-        let reference = self.reference(executor, &prepared, &reference_settings, samples, &identity, &path)?;
-        let measurement =
-            measure(executor, &prepared, &settings, plan, &reference, &mut |line| self.tell(&format!("    {line}")))?;
+        let reference =
+            self.reference(executor, &prepared, &reference_settings, samples, &identity, &path)?;
+        let measurement = measure(executor, &prepared, &settings, plan, &reference, &mut |line| {
+            self.tell(&format!("    {line}"))
+        })?;
         self.tell("    pictures at equal time");
-        Ok(write_scene(executor, &prepared, &settings, plan, &reference, &measurement, &about, &folder)?)
+        Ok(write_scene(
+            executor,
+            &prepared,
+            &settings,
+            plan,
+            &reference,
+            &measurement,
+            &about,
+            &folder,
+        )?)
     }
 
     /// The reference from the cache or, if it is not there or no good, rendered and put there.
@@ -222,14 +261,19 @@ impl ConvergenceArguments {
             }
             Ok(None) => {
                 let by = value_name(&settings.integrator);
-                self.tell(&format!("    rendering the reference by {by} with {samples} samples per pixel"));
+                self.tell(&format!(
+                    "    rendering the reference by {by} with {samples} samples per pixel"
+                ));
             }
-            Err(reason) => {
-                say(&format!("    {} cannot be used, {reason}: rendering the reference again", path.display()))
-            }
+            Err(reason) => say(&format!(
+                "    {} cannot be used, {reason}: rendering the reference again",
+                path.display()
+            )),
         }
         let mut display = ProgressDisplay::new(self.quiet);
-        let reference = Reference::render(executor, scene, settings, samples, &mut |progress| display.show(progress));
+        let reference = Reference::render(executor, scene, settings, samples, &mut |progress| {
+            display.show(progress)
+        });
         display.finish();
         let reference = reference?;
         reference.store(path, identity)?;
@@ -239,13 +283,20 @@ impl ConvergenceArguments {
 
     fn about(&self, label: &str, scene: &Scene, settings: &Settings, device: &Device) -> About {
         let integrators = self.integrators();
-        let by_lvc = integrators.iter().chain([&self.reference_integrator()]).any(|&i| i == IntegratorKind::Lvc);
+        let by_lvc = integrators
+            .iter()
+            .chain([&self.reference_integrator()])
+            .any(|&i| i == IntegratorKind::Lvc);
         // The settings of the light cache are told where they count.
         let integrator = if by_lvc { IntegratorKind::Lvc } else { settings.integrator };
         let described = self.settings.describe(&Settings { integrator, ..*settings });
-        let plan = [("samples per pixel", self.spp.to_string()), ("repetitions", self.repetitions.to_string())];
+        let plan = [
+            ("samples per pixel", self.spp.to_string()),
+            ("repetitions", self.repetitions.to_string()),
+        ];
         let listed: Vec<_> = integrators.iter().map(value_name).collect();
-        let listed = (if listed.len() > 1 { "integrators" } else { "integrator" }, listed.join(", "));
+        let listed =
+            (if listed.len() > 1 { "integrators" } else { "integrator" }, listed.join(", "));
         About {
             label: label.to_owned(),
             facts: entries::facts(device, scene, settings.size, plan, described, Some(listed)),

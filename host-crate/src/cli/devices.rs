@@ -20,7 +20,9 @@ pub fn run(arguments: &DevicesArguments) -> Result<Ending, CliError> {
         print_line(&format!("    {}, {}, kernels {}", device.kind, device.driver, device.kernels))?;
         match device.unsuitable {
             Some(reason) => print_line(&format!("    cannot be used: {reason}"))?,
-            None => print_line(&format!("    largest buffer {}", output::bytes(device.buffer_bytes)))?,
+            None => {
+                print_line(&format!("    largest buffer {}", output::bytes(device.buffer_bytes)))?
+            }
         }
     }
     Ok(Ending::Done)

@@ -47,8 +47,8 @@ pub fn load(entries: &[Entry], arguments: &SettingsArguments) -> Result<Vec<Load
     Ok(scenes)
 }
 
-/// Has `measure` measure all scenes, prints their tables, and writes the report, which begins with `introduction`, to `output`. Returns
-/// where it is.
+/// Has `measure` measure all scenes, prints their tables, and writes the report, which begins with
+/// `introduction`, to `output`. Returns where it is.
 pub fn report(
     introduction: &str,
     scenes: Vec<Loaded>,
@@ -67,8 +67,9 @@ pub fn report(
     Ok(output.file(FILE))
 }
 
-/// What a report tells of a measurement beside its figures: device, scene and `size`, the plan, the settings as `described` but for their integrator, and
-/// instead of that one those that were measured.
+/// What a report tells of a measurement beside its figures: device, scene and `size`, the plan, the
+/// settings as `described` but for their integrator, and instead of that one those that were
+/// measured.
 pub fn facts(
     device: &Device,
     scene: &Scene,
@@ -85,7 +86,12 @@ pub fn facts(
     ];
     let mut facts: Vec<_> = scene.into_iter().chain(plan).map(named).collect();
     facts.extend(described.into_iter().filter(|(name, _)| name != "integrator"));
-    facts.extend(integrators.into_iter().chain([("version", env!("CARGO_PKG_VERSION").to_owned())]).map(named));
+    facts.extend(
+        integrators
+            .into_iter()
+            .chain([("version", env!("CARGO_PKG_VERSION").to_owned())])
+            .map(named),
+    );
     facts
 }
 
@@ -120,7 +126,9 @@ mod tests {
 
     #[test]
     fn entries_may_have_a_size() {
-        let entry = |text: &str| parse_entry(text).map(|e| (e.label(), e.size.map(|s| (s.width, s.height))));
+        let entry = |text: &str| {
+            parse_entry(text).map(|e| (e.label(), e.size.map(|s| (s.width, s.height))))
+        };
         assert_eq!(entry("cornell_ball"), Ok(("cornell_ball".into(), None)));
         assert_eq!(entry("cornell_ball@60x50"), Ok(("cornell_ball@60x50".into(), Some((60, 50)))));
         assert_eq!(entry("a@b/my scene.json"), Ok(("my scene".into(), None)));

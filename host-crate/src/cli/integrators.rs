@@ -16,12 +16,20 @@ use std::time::Duration;
 /// The options of `raystream bench integrators`.
 #[derive(Args)]
 pub struct IntegratorsArguments {
-    /// Scene files, or names of scenes that ship; each may end in @WIDTHxHEIGHT, the size of its picture.
+    /// Scene files, or names of scenes that ship; each may end in @WIDTHxHEIGHT, the size of its
+    /// picture.
     #[arg(default_value = "cornell_ball", value_parser = parse_entry)]
     scenes: Vec<Entry>,
-    /// Integrators to measure, separated by commas; megakernel, with which the others are compared, is measured in any case [default:
-    /// all that walk the same paths, or the one that --integrator names].
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", conflicts_with = "integrator")]
+    /// Integrators to measure, separated by commas; megakernel, with which the others are compared,
+    /// is measured in any case [default: all that walk the same paths, or the one that --integrator
+    /// names].
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "LIST",
+        conflicts_with = "integrator"
+    )]
     integrators: Vec<IntegratorKind>,
     /// How long to render with each integrator.
     #[arg(long, default_value = "3", value_name = "SECONDS", value_parser = parse_seconds)]
@@ -29,7 +37,8 @@ pub struct IntegratorsArguments {
     /// Renders with each integrator, by turns; the median counts.
     #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     repetitions: u32,
-    /// Slots of the stream that is compared slot for slot and whose paths are counted by iterations.
+    /// Slots of the stream that is compared slot for slot and whose paths are counted by
+    /// iterations.
     #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u32).range(1..=1 << 22))]
     stream: u32,
     /// Folder for the results: report.md, and a folder with tables and a plot for each scene.
@@ -75,9 +84,13 @@ impl IntegratorsArguments {
     fn integrators(&self, chosen: IntegratorKind) -> Vec<IntegratorKind> {
         let mut others = self.integrators.clone();
         if others.is_empty() && chosen == IntegratorKind::default() {
-            // That of light vertices walks other paths: nothing of it is the megakernel's but the mean.
-            others =
-                IntegratorKind::value_variants().iter().copied().filter(|&kind| kind != IntegratorKind::Lvc).collect();
+            // That of light vertices walks other paths: nothing of it is the megakernel's but the
+            // mean.
+            others = IntegratorKind::value_variants()
+                .iter()
+                .copied()
+                .filter(|&kind| kind != IntegratorKind::Lvc)
+                .collect();
         } else if others.is_empty() {
             others.push(chosen);
         }
@@ -101,8 +114,18 @@ impl IntegratorsArguments {
         let Loaded { label, scene, settings } = loaded;
         let folder = output.folder(&label)?;
         self.tell(&format!("{label}: {} triangles, on {}", scene.triangles.len(), device.name()));
-        let plan = [("seconds", self.time.as_secs_f64().to_string()), ("repetitions", self.repetitions.to_string())];
-        let facts = entries::facts(device, &scene, settings.size, plan, self.settings.describe(&settings), None);
+        let plan = [
+            ("seconds", self.time.as_secs_f64().to_string()),
+            ("repetitions", self.repetitions.to_string()),
+        ];
+        let facts = entries::facts(
+            device,
+            &scene,
+            settings.size,
+            plan,
+            self.settings.describe(&settings),
+            None,
+        );
         let plan = Plan {
             integrators: self.integrators(settings.integrator),
             time: self.time,
@@ -110,7 +133,9 @@ impl IntegratorsArguments {
             stream: self.stream,
         };
         let prepared = self.settings.prepare(scene)?;
-        let measured = measure(executor, &prepared, &settings, &plan, &mut |line| self.tell(&format!("    {line}")))?;
+        let measured = measure(executor, &prepared, &settings, &plan, &mut |line| {
+            self.tell(&format!("    {line}"))
+        })?;
         Ok(write_scene(&measured, plan.stream, &About { label, facts }, &folder)?)
     }
 }

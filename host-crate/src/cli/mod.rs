@@ -21,7 +21,8 @@ const INTERRUPTED: u8 = 130;
 /// Exit status of a run that failed.
 const FAILED: u8 = 2;
 
-/// An adaptive path tracer whose kernels are written once, in Rust, and run on the GPU and on the CPU.
+/// An adaptive path tracer whose kernels are written once, in Rust, and run on the GPU and on the
+/// CPU.
 #[derive(Parser)]
 #[command(name = "raystream", version, max_term_width = 100)]
 struct Arguments {
@@ -79,18 +80,21 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Without a desktop, the layer of Mesa that picks the desktop's GPU complains on stderr at every start of Vulkan: leaves it out.
+/// Without a desktop, the layer of Mesa that picks the desktop's GPU complains on stderr at every
+/// start of Vulkan: leaves it out.
 fn silence_device_selection() {
-    let has_desktop =
-        ["DISPLAY", "WAYLAND_DISPLAY", "XDG_RUNTIME_DIR"].iter().any(|name| std::env::var_os(name).is_some());
+    let has_desktop = ["DISPLAY", "WAYLAND_DISPLAY", "XDG_RUNTIME_DIR"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some());
     if !has_desktop {
-        // SAFETY: `main` calls this first, while the process has no other thread that could read the environment.
+        // SAFETY: `main` calls this first, while the process has no other thread that could read
+        // the environment.
         unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     }
 }
 
-/// Sends the program's and the libraries' messages to stderr; warnings and errors always, more by `verbose`. The variable
-/// `RUST_LOG` overrides.
+/// Sends the program's and the libraries' messages to stderr; warnings and errors always, more by
+/// `verbose`. The variable `RUST_LOG` overrides.
 fn start_logging(verbose: u8) {
     use tracing_subscriber::filter::EnvFilter;
     let default = match verbose {

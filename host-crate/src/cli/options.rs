@@ -3,20 +3,23 @@
 use super::output::say;
 use crate::exec::ExecError;
 use crate::exec::device::{Device, OpenOptions};
-use crate::render::{BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, Sampling, Settings, Techniques};
+use crate::render::{
+    BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, Sampling, Settings, Techniques,
+};
 use crate::scene::{self, FilmSize, Scene, SceneError};
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
-use raystream_shaders::lvc::MAX_CONNECTIONS;
-use raystream_shaders::ray::OFFSET_ROUNDINGS;
+use raystream_shaders::integrator::lvc::MAX_CONNECTIONS;
+use raystream_shaders::scene::ray::OFFSET_ROUNDINGS;
 use std::path::Path;
 use std::time::Duration;
 
 /// The options that choose a device.
 #[derive(Args)]
 pub struct DeviceArguments {
-    /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name; gpu:2 or NAME:2 is the second that fits.
+    /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name;
+    /// gpu:2 or NAME:2 is the second that fits.
     #[arg(long, default_value = "auto", value_name = "DEVICE", value_parser = NonEmptyStringValueParser::new())]
     device: String,
     #[command(flatten)]
@@ -29,7 +32,8 @@ pub struct OpenArguments {
     /// Have naga translate the kernels, also where the driver takes SPIR-V.
     #[arg(long)]
     naga: bool,
-    /// Run under the driver's validation layers, where they are installed (-vv says), and print their messages.
+    /// Run under the driver's validation layers, where they are installed (-vv says), and print
+    /// their messages.
     #[arg(long)]
     validation: bool,
 }
@@ -60,7 +64,8 @@ pub struct SettingsArguments {
     /// Where random numbers come from.
     #[arg(long, value_enum, default_value_t = Sampler::Sobol)]
     sampler: Sampler,
-    /// Longest path in segments: 1 sees only what emits, 2 direct light as well [default: the scene's].
+    /// Longest path in segments: 1 sees only what emits, 2 direct light as well [default: the
+    /// scene's].
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: Option<u32>,
     /// Segment after which Russian roulette may end a path [default: the scene's].
@@ -69,15 +74,16 @@ pub struct SettingsArguments {
     /// How to compute a path's contribution.
     #[arg(long, value_enum, default_value_t)]
     integrator: IntegratorKind,
-    /// Light paths of each round of the integrator lvc [default: by a pilot run, as many as leave about one vertex for each pixel, but no more than pixels, up to 2^20].
+    /// Light paths of each round of the integrator lvc [default: by a pilot run, as many as leave
+    /// about one vertex for each pixel, but no more than pixels, up to 2^20].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_LIGHT_PATHS))]
     light_paths: Option<u32>,
-    /// Connections of each vertex of an eye path to light vertices, in the integrator lvc [default: by a pilot run, as many as a light path has vertices,
-    /// 1 or 2].
+    /// Connections of each vertex of an eye path to light vertices, in the integrator lvc [default:
+    /// by a pilot run, as many as a light path has vertices, 1 or 2].
     #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CONNECTIONS)))]
     connections: Option<u32>,
-    /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there. Details smaller than that cast no
-    /// shadow; other renderers take some 1500.
+    /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there.
+    /// Details smaller than that cast no shadow; other renderers take some 1500.
     #[arg(long, default_value_t = OFFSET_ROUNDINGS, value_name = "N", value_parser = parse_ray_offset)]
     ray_offset: f32,
     /// How carefully to build the acceleration structure: fast suits previews of large scenes.
@@ -159,7 +165,8 @@ impl SettingsArguments {
             pair("integrator", format!("{:?}", self.integrator).to_lowercase()),
         ];
         if settings.integrator == IntegratorKind::Lvc {
-            let number = |name, number: Option<u32>| number.map(|number| pair(name, number.to_string()));
+            let number =
+                |name, number: Option<u32>| number.map(|number| pair(name, number.to_string()));
             pairs.extend(number("light_paths", settings.light_cache.light_paths));
             pairs.extend(number("connections", settings.light_cache.connections));
         }
@@ -167,7 +174,8 @@ impl SettingsArguments {
     }
 }
 
-/// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; prints its warnings.
+/// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; prints
+/// its warnings.
 pub fn load_scene(name: &Path) -> Result<Scene, SceneError> {
     let scene = match name.to_str().filter(|text| !text.contains(['/', '\\', '.'])) {
         Some(shipped) => scene::load_named(shipped)?,
@@ -199,6 +207,8 @@ fn parse_ray_offset(text: &str) -> Result<f32, String> {
 pub fn parse_seconds(text: &str) -> Result<Duration, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds > 0.0 && seconds <= 3.2e7 => Ok(Duration::from_secs_f64(seconds)),
-        _ => Err(format!("'{text}' is not a time in seconds between 0 and a year, such as 30 or 2.5")),
+        _ => Err(format!(
+            "'{text}' is not a time in seconds between 0 and a year, such as 30 or 2.5"
+        )),
     }
 }

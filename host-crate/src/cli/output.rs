@@ -7,11 +7,13 @@ use std::path::Path;
 pub fn print_line(line: &str) -> io::Result<()> {
     match writeln!(io::stdout(), "{line}") {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        result => result.map_err(|error| io::Error::new(error.kind(), format!("standard output: {error}"))),
+        result => result
+            .map_err(|error| io::Error::new(error.kind(), format!("standard output: {error}"))),
     }
 }
 
-/// Writes a line to stderr if anyone still reads it: `eprintln!` would panic, and a render be lost for a message.
+/// Writes a line to stderr if anyone still reads it: `eprintln!` would panic, and a render be lost
+/// for a message.
 pub fn say(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }

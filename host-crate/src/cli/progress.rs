@@ -47,19 +47,28 @@ impl ProgressDisplay {
     }
 }
 
-/// How much of the budget is spent: of samples or of time, or of the way to the noise, whichever is nearer its end.
+/// How much of the budget is spent: of samples or of time, or of the way to the noise, whichever is
+/// nearer its end.
 fn fraction(progress: &Progress) -> f64 {
     let samples = progress.total_paths.map_or(0.0, |total| progress.paths as f64 / total as f64);
-    let time = progress.time.map_or(0.0, |time| progress.elapsed.as_secs_f64() / time.as_secs_f64());
+    let time =
+        progress.time.map_or(0.0, |time| progress.elapsed.as_secs_f64() / time.as_secs_f64());
     samples.max(time).max(progress.convergence).min(1.0)
 }
 
 fn describe(progress: &Progress) -> String {
     let seconds = progress.elapsed.as_secs_f64().max(1e-9);
     let done = fraction(progress);
-    let left = if done > 0.0 { format!(", {:.0} s left", seconds * (1.0 - done) / done) } else { String::new() };
-    let rays =
-        if progress.rays > 0 { format!(", {}rays/s", rate(progress.rays as f64 / seconds)) } else { String::new() };
+    let left = if done > 0.0 {
+        format!(", {:.0} s left", seconds * (1.0 - done) / done)
+    } else {
+        String::new()
+    };
+    let rays = if progress.rays > 0 {
+        format!(", {}rays/s", rate(progress.rays as f64 / seconds))
+    } else {
+        String::new()
+    };
     format!("{}samples/s{rays}{left}", rate(progress.paths as f64 / seconds))
 }
 

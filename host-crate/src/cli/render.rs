@@ -10,7 +10,9 @@ use crate::exec::{ExecError, Executor};
 use crate::film::Film;
 use crate::image::{self, Display, Format, ToneMap};
 use crate::render::estimation::Estimation;
-use crate::render::{Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, run as render};
+use crate::render::{
+    Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, run as render,
+};
 use crate::scene::DEFAULT_SCENE;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -24,11 +26,12 @@ pub struct RenderArguments {
     /// A scene file, or the name of a scene that ships (see `raystream scenes`).
     #[arg(default_value = DEFAULT_SCENE)]
     scene: PathBuf,
-    /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be given several times
-    /// [default: the scene's name with .png].
+    /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be
+    /// given several times [default: the scene's name with .png].
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
-    /// Samples per pixel on average over the pixels [default: 64, or as many as --time or --noise take].
+    /// Samples per pixel on average over the pixels [default: 64, or as many as --time or --noise
+    /// take].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
     spp: Option<u32>,
     /// Stop after this time; what comes first of this, --spp and --noise counts.
@@ -46,8 +49,9 @@ pub struct RenderArguments {
     /// How a PNG shows what is brighter than its white.
     #[arg(long, value_enum, default_value_t = ToneMap::default())]
     tone_map: ToneMap,
-    /// Beside each .png picture, write its layers as pictures too: picture.samples.png (samples per pixel), picture.error.png (estimated
-    /// error) and picture.filtered.png, where errors are estimated, picture.albedo.png, picture.normal.png and picture.depth.png.
+    /// Beside each .png picture, write its layers as pictures too: picture.samples.png (samples per
+    /// pixel), picture.error.png (estimated error) and picture.filtered.png, where errors are
+    /// estimated, picture.albedo.png, picture.normal.png and picture.depth.png.
     #[arg(long)]
     png_layers: bool,
     /// Say nothing but warnings and errors.
@@ -73,7 +77,8 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     };
     check_outputs(&outputs, arguments.png_layers)?;
     let device = arguments.device.open()?;
-    let mut settings = Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
+    let mut settings =
+        Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
     let say = |line: String| {
         if !arguments.quiet {
             output::say(&line);
@@ -93,18 +98,26 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     tracing::debug!("built the BVH in {:.2} s", started.elapsed().as_secs_f64());
 
     let has_no_other_end = arguments.time.is_none() && settings.sampling.noise.is_none();
-    let budget =
-        Budget { samples: arguments.spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES)), time: arguments.time };
+    let budget = Budget {
+        samples: arguments.spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES)),
+        time: arguments.time,
+    };
     if let Some(sampling) = arguments.sampling.fallback()
         && let Err(error) = can_estimate(&device, &settings)
     {
-        output::say(&format!("warning: {error}; sampling every pixel equally instead (--allocator uniform)"));
+        output::say(&format!(
+            "warning: {error}; sampling every pixel equally instead (--allocator uniform)"
+        ));
         settings.sampling = sampling;
     }
     let mut display = ProgressDisplay::new(arguments.quiet);
     let (film, outcome) = match &device {
-        Device::Cpu(cpu) => render_film(cpu, &prepared, &settings, budget, &interrupted, &mut display),
-        Device::Gpu(gpu) => render_film(gpu.as_ref(), &prepared, &settings, budget, &interrupted, &mut display),
+        Device::Cpu(cpu) => {
+            render_film(cpu, &prepared, &settings, budget, &interrupted, &mut display)
+        }
+        Device::Gpu(gpu) => {
+            render_film(gpu.as_ref(), &prepared, &settings, budget, &interrupted, &mut display)
+        }
     }?;
     say(summary(&outcome, &film));
 
@@ -156,7 +169,9 @@ fn render_film<E: Executor>(
 ) -> Result<(Film, Outcome), RenderError> {
     let mut renderer = Renderer::new(executor, scene, settings)?;
     let outcome =
-        render(&mut renderer, budget, &|| interrupted.load(Ordering::Relaxed), &mut |progress| display.show(progress));
+        render(&mut renderer, budget, &|| interrupted.load(Ordering::Relaxed), &mut |progress| {
+            display.show(progress)
+        });
     display.finish();
     renderer.finish_features()?;
     Ok((renderer.film()?, outcome?))
@@ -187,7 +202,9 @@ fn catch_interrupt() -> Result<Arc<AtomicBool>, CliError> {
             image::discard_unfinished();
             std::process::exit(i32::from(INTERRUPTED));
         }
-        output::say("interrupted: finishing the round and writing the picture; again to stop at once");
+        output::say(
+            "interrupted: finishing the round and writing the picture; again to stop at once",
+        );
     })?;
     Ok(interrupted)
 }
@@ -197,7 +214,9 @@ fn check_outputs(paths: &[PathBuf], png_layers: bool) -> Result<(), CliError> {
     for (index, path) in paths.iter().enumerate() {
         image::check_writable(path)?;
         if paths[..index].iter().any(|earlier| is_same_file(earlier, path)) {
-            return Err(format!("{}: -o names this file twice; name each once", path.display()).into());
+            return Err(
+                format!("{}: -o names this file twice; name each once", path.display()).into()
+            );
         }
     }
     if png_layers {
@@ -208,10 +227,16 @@ fn check_outputs(paths: &[PathBuf], png_layers: bool) -> Result<(), CliError> {
 
 /// As [`check_outputs`], of the layers beside the pictures.
 fn check_layers(pictures: &[PathBuf]) -> Result<(), CliError> {
-    let layers: Vec<PathBuf> =
-        pictures.iter().filter(|path| is_png(path)).flat_map(|path| image::png_layer_paths(path, true)).collect();
+    let layers: Vec<PathBuf> = pictures
+        .iter()
+        .filter(|path| is_png(path))
+        .flat_map(|path| image::png_layer_paths(path, true))
+        .collect();
     if layers.is_empty() {
-        return Err("--png-layers: no -o names a .png picture to write layers beside; add -o picture.png".into());
+        return Err(
+            "--png-layers: no -o names a .png picture to write layers beside; add -o picture.png"
+                .into(),
+        );
     }
     for (index, path) in layers.iter().enumerate() {
         image::check_writable(path)?;
@@ -232,8 +257,11 @@ fn is_png(path: &Path) -> bool {
 
 /// A scene's name as a file name, of a length that every file system takes.
 pub fn file_stem(name: &str) -> String {
-    let stem: String =
-        name.chars().take(MAX_STEM).map(|c| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect();
+    let stem: String = name
+        .chars()
+        .take(MAX_STEM)
+        .map(|c| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' })
+        .collect();
     let stem = stem.trim_matches(['.', ' ']);
     if stem.is_empty() { "picture".into() } else { stem.into() }
 }

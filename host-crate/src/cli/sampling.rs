@@ -7,7 +7,8 @@ use clap::Args;
 #[derive(Args)]
 #[command(next_help_heading = "Adaptive sampling")]
 pub struct SamplingArguments {
-    /// Who decides which pixels a round samples [default: runs, or uniform where a picture is too large for the device to estimate errors].
+    /// Who decides which pixels a round samples [default: runs, or uniform where a picture is too
+    /// large for the device to estimate errors].
     #[arg(long, value_enum)]
     allocator: Option<AllocatorKind>,
     #[command(flatten)]
@@ -20,7 +21,8 @@ pub struct SamplingArguments {
     relative: bool,
     #[command(flatten)]
     rounds: RoundArguments,
-    /// Stop when the picture's estimated relative error is at most this (0.02 is 2 %). Pixels that are better get no more samples.
+    /// Stop when the picture's estimated relative error is at most this (0.02 is 2 %). Pixels that
+    /// are better get no more samples.
     #[arg(long, value_name = "ERROR", value_parser = parse_noise)]
     noise: Option<f32>,
 }
@@ -31,7 +33,8 @@ pub struct RoundArguments {
     /// Samples per pixel of the first round, which is uniform.
     #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65536))]
     initial_spp: u32,
-    /// Samples of a later round, on average over the pixels [default: half of what pixels have, at least 1].
+    /// Samples of a later round, on average over the pixels [default: half of what pixels have, at
+    /// least 1].
     #[arg(long, value_name = "N", value_parser = parse_round_budget)]
     round_budget: Option<f32>,
 }
@@ -71,7 +74,8 @@ impl SamplingArguments {
         }
     }
 
-    /// What to do instead where the device cannot hold what estimates errors: nothing, if that was asked for.
+    /// What to do instead where the device cannot hold what estimates errors: nothing, if that was
+    /// asked for.
     pub fn fallback(&self) -> Option<Sampling> {
         (self.allocator.is_none() && self.noise.is_none()).then_some(Sampling::UNIFORM)
     }
@@ -133,7 +137,9 @@ fn parse_noise(text: &str) -> Result<f32, String> {
 fn parse_round_budget(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(samples) if (1e-3..=65536.0).contains(&samples) => Ok(samples),
-        _ => Err(format!("'{text}' is not a number of samples per pixel between 0.001 and 65536, such as 1")),
+        _ => Err(format!(
+            "'{text}' is not a number of samples per pixel between 0.001 and 65536, such as 1"
+        )),
     }
 }
 

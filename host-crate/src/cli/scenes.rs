@@ -11,7 +11,10 @@ pub fn run() -> Result<Ending, CliError> {
         print_line(&format!("{}{default}", scene.name))?;
         print_line(&format!("    {}", scene.description))?;
         if let SceneGeometry::Download { url, credits } = scene.geometry {
-            print_line(&format!("    geometry to be fetched from {url}: scenes/{}/README.md says how", scene.name))?;
+            print_line(&format!(
+                "    geometry to be fetched from {url}: scenes/{}/README.md says how",
+                scene.name
+            ))?;
             print_line(&format!("    {credits}"))?;
         }
     }

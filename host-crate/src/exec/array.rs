@@ -14,7 +14,11 @@ pub struct Array<B, T> {
 
 impl<B, T: Pod> Array<B, T> {
     /// `len` elements of zero bytes. `label` names the array in errors.
-    pub fn zeroed<E: Executor<Buffer = B>>(executor: &E, label: &'static str, len: usize) -> Result<Self, ExecError> {
+    pub fn zeroed<E: Executor<Buffer = B>>(
+        executor: &E,
+        label: &'static str,
+        len: usize,
+    ) -> Result<Self, ExecError> {
         // An empty binding is not allowed, so an empty array holds one element that nobody reads.
         let bytes = (len.max(1) * size_of::<T>()) as u64;
         Ok(Self { buffer: executor.allocate(label, bytes)?, len, element: PhantomData })
@@ -32,7 +36,11 @@ impl<B, T: Pod> Array<B, T> {
     }
 
     /// Replaces the first elements.
-    pub fn write<E: Executor<Buffer = B>>(&self, executor: &E, elements: &[T]) -> Result<(), ExecError> {
+    pub fn write<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        elements: &[T],
+    ) -> Result<(), ExecError> {
         executor.write(&self.buffer, 0, bytemuck::cast_slice(elements))
     }
 
@@ -51,10 +59,15 @@ impl<B, T: Pod> Array<B, T> {
         self.slice(0..self.len.max(1))
     }
 
-    /// The elements of `range`, for a kernel. The first byte must be a multiple of the device's alignment.
+    /// The elements of `range`, for a kernel. The first byte must be a multiple of the device's
+    /// alignment.
     pub fn slice(&self, range: Range<usize>) -> View<'_, B> {
         let size = size_of::<T>() as u64;
-        View { buffer: &self.buffer, first_byte: range.start as u64 * size, bytes: range.len() as u64 * size }
+        View {
+            buffer: &self.buffer,
+            first_byte: range.start as u64 * size,
+            bytes: range.len() as u64 * size,
+        }
     }
 
     /// Copies all of it to the host.
@@ -63,9 +76,14 @@ impl<B, T: Pod> Array<B, T> {
     }
 
     /// Copies the elements of `range` to the host.
-    pub fn read_range<E: Executor<Buffer = B>>(&self, executor: &E, range: Range<usize>) -> Result<Vec<T>, ExecError> {
+    pub fn read_range<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        range: Range<usize>,
+    ) -> Result<Vec<T>, ExecError> {
         let size = size_of::<T>() as u64;
-        let bytes = executor.read(&self.buffer, range.start as u64 * size, range.len() as u64 * size)?;
+        let bytes =
+            executor.read(&self.buffer, range.start as u64 * size, range.len() as u64 * size)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 }

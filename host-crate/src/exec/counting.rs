@@ -4,7 +4,8 @@ use super::{ExecError, Executor, Launch, Limits};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// Another executor, and the bytes of all buffers that it has allocated. What is freed is not subtracted: a render frees nothing before its end.
+/// Another executor, and the bytes of all buffers that it has allocated. What is freed is not
+/// subtracted: a render frees nothing before its end.
 pub struct Counting<'e, E> {
     inner: &'e E,
     bytes: AtomicU64,
@@ -43,7 +44,12 @@ impl<E: Executor> Executor for Counting<'_, E> {
         self.inner.write(buffer, first_byte, bytes)
     }
 
-    fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
+    fn read(
+        &self,
+        buffer: &Self::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
         self.inner.read(buffer, first_byte, bytes)
     }
 

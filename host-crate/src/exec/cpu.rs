@@ -33,18 +33,18 @@ impl Executor for CpuExecutor {
 
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<CpuBuffer, ExecError> {
         let len = bytes.div_ceil(size_of::<u128>() as u64) as usize;
-        // Zeroed by the system, page by page when it is first used: what a small picture does not need of a large buffer costs nothing.
-        let blocks = bytemuck::allocation::try_zeroed_vec(len).map_err(|()| ExecError::OutOfMemory {
-            device: self.name().to_owned(),
-            label,
-            bytes,
+        // Zeroed by the system, page by page when it is first used: what a small picture does not
+        // need of a large buffer costs nothing.
+        let blocks = bytemuck::allocation::try_zeroed_vec(len).map_err(|()| {
+            ExecError::OutOfMemory { device: self.name().to_owned(), label, bytes }
         })?;
         Ok(CpuBuffer { blocks: RwLock::new(blocks) })
     }
 
     fn write(&self, buffer: &CpuBuffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
         let mut blocks = buffer.blocks.write().unwrap_or_else(PoisonError::into_inner);
-        bytemuck::cast_slice_mut(&mut blocks)[first_byte as usize..][..bytes.len()].copy_from_slice(bytes);
+        bytemuck::cast_slice_mut(&mut blocks)[first_byte as usize..][..bytes.len()]
+            .copy_from_slice(bytes);
         Ok(())
     }
 
@@ -61,8 +61,8 @@ impl Executor for CpuExecutor {
 fn run_one(launch: &Launch<'_, CpuBuffer>) -> Duration {
     let start = Instant::now();
     let storage = &launch.kernel.bindings[1..];
-    // Locked before any is borrowed: a buffer bound twice, once for writing, is a bug that panics here rather than
-    // hanging.
+    // Locked before any is borrowed: a buffer bound twice, once for writing, is a bug that panics
+    // here rather than hanging.
     let mut locks: Vec<Lock<'_>> = storage
         .iter()
         .zip(&launch.views)
@@ -81,8 +81,12 @@ fn run_one(launch: &Launch<'_, CpuBuffer>) -> Duration {
         .map(|(lock, view)| {
             let range = view.first_byte as usize..(view.first_byte + view.bytes) as usize;
             match lock {
-                Lock::Read(blocks) => NativeBinding::Read(&bytemuck::cast_slice(blocks.as_slice())[range]),
-                Lock::Write(blocks) => NativeBinding::Write(&mut bytemuck::cast_slice_mut(blocks)[range]),
+                Lock::Read(blocks) => {
+                    NativeBinding::Read(&bytemuck::cast_slice(blocks.as_slice())[range])
+                }
+                Lock::Write(blocks) => {
+                    NativeBinding::Write(&mut bytemuck::cast_slice_mut(blocks)[range])
+                }
             }
         })
         .collect();

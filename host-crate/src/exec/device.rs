@@ -4,7 +4,8 @@ use super::cpu::CpuExecutor;
 use super::gpu::{GpuExecutor, ShaderPath, largest_buffer};
 use super::{ExecError, Executor};
 
-/// Storage buffers that a kernel may bind, at most: a number that every desktop device with Vulkan, Metal or DirectX 12 grants.
+/// Storage buffers that a kernel may bind, at most: a number that every desktop device with Vulkan,
+/// Metal or DirectX 12 grants.
 pub const STORAGE_BUFFERS: u32 = 12;
 
 /// A device, open for rendering.
@@ -16,9 +17,9 @@ pub enum Device {
 }
 
 impl Device {
-    /// Opens the device that `selection` names, whatever the case: `cpu`; `gpu`, the best GPU, a software one if there is no
-    /// other; `auto`, the best real GPU, else the CPU; or a part of a device's name. Of several that fit, `gpu:2` or `NAME:2` is the
-    /// second.
+    /// Opens the device that `selection` names, whatever the case: `cpu`; `gpu`, the best GPU, a
+    /// software one if there is no other; `auto`, the best real GPU, else the CPU; or a part of a
+    /// device's name. Of several that fit, `gpu:2` or `NAME:2` is the second.
     ///
     /// # Errors
     /// If there is no such device, or it cannot run the kernels.
@@ -45,7 +46,8 @@ impl Device {
 pub struct OpenOptions {
     /// Have naga translate the kernels, also where the driver takes SPIR-V.
     pub naga: bool,
-    /// Run under the driver's validation layers (Vulkan) or debug layer (DirectX); their messages are logged.
+    /// Run under the driver's validation layers (Vulkan) or debug layer (DirectX); their messages
+    /// are logged.
     pub validation: bool,
 }
 
@@ -81,9 +83,13 @@ impl Devices {
             wgpu::InstanceFlags::empty()
         };
         let backends = wgpu::Backends::PRIMARY;
-        let descriptor =
-            wgpu::InstanceDescriptor { backends, flags, ..wgpu::InstanceDescriptor::new_without_display_handle() };
-        let mut adapters = pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(backends));
+        let descriptor = wgpu::InstanceDescriptor {
+            backends,
+            flags,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        };
+        let mut adapters =
+            pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(backends));
         adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
             wgpu::DeviceType::DiscreteGpu => 0,
             wgpu::DeviceType::IntegratedGpu => 1,
@@ -107,7 +113,9 @@ impl Devices {
                     wgpu::DeviceType::Cpu => "software GPU",
                     wgpu::DeviceType::Other => "other GPU",
                 },
-                driver: format!("{} {} {}", info.backend, info.driver, info.driver_info).trim_end().to_owned(),
+                driver: format!("{} {} {}", info.backend, info.driver, info.driver_info)
+                    .trim_end()
+                    .to_owned(),
                 kernels: match self.shader_path(adapter) {
                     ShaderPath::Passthrough => "SPIR-V",
                     ShaderPath::Naga => "through naga",
@@ -129,7 +137,8 @@ impl Devices {
 
     /// [`Device::open`] of anything but the CPU; `selection` is in lower case.
     fn open(&self, selection: &str) -> Result<Device, ExecError> {
-        let is_real = |adapter: &&wgpu::Adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu;
+        let is_real =
+            |adapter: &&wgpu::Adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu;
         let is_suitable = |adapter: &&wgpu::Adapter| unsuitable(adapter).is_none();
         let (name, number) = numbered(selection);
         match name {
@@ -140,7 +149,9 @@ impl Devices {
                 }),
                 None => Ok(Device::Cpu(CpuExecutor)),
             },
-            "gpu" if !self.adapters.iter().any(|adapter| is_suitable(&adapter)) => Err(ExecError::NoGpu),
+            "gpu" if !self.adapters.iter().any(|adapter| is_suitable(&adapter)) => {
+                Err(ExecError::NoGpu)
+            }
             _ => {
                 let fits = |adapter: &&wgpu::Adapter| {
                     if name == "gpu" {
@@ -153,7 +164,12 @@ impl Devices {
                     Some(adapter) => self.open_adapter(adapter),
                     None => Err(ExecError::NoSuchDevice {
                         name: selection.into(),
-                        known: self.list().into_iter().map(|info| info.name).collect::<Vec<_>>().join(", "),
+                        known: self
+                            .list()
+                            .into_iter()
+                            .map(|info| info.name)
+                            .collect::<Vec<_>>()
+                            .join(", "),
                     }),
                 }
             }
@@ -174,9 +190,11 @@ impl Devices {
     }
 }
 
-/// A selection, and which of the devices that fit it: from 1 on, the number after a colon at its end.
+/// A selection, and which of the devices that fit it: from 1 on, the number after a colon at its
+/// end.
 fn numbered(selection: &str) -> (&str, usize) {
-    let numbered = selection.rsplit_once(':').and_then(|(name, number)| Some((name, number.parse().ok()?)));
+    let numbered =
+        selection.rsplit_once(':').and_then(|(name, number)| Some((name, number.parse().ok()?)));
     numbered.filter(|&(_, number)| number > 0).unwrap_or((selection, 1))
 }
 
@@ -189,7 +207,8 @@ fn unsuitable(adapter: &wgpu::Adapter) -> Option<String> {
         ));
     }
     let downlevel = adapter.get_downlevel_capabilities();
-    (!downlevel.flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)).then(|| "it has no compute shaders".to_owned())
+    (!downlevel.flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS))
+        .then(|| "it has no compute shaders".to_owned())
 }
 
 fn cpu_name() -> String {

@@ -16,7 +16,8 @@ const TRANSFER_BYTES: u64 = 64 << 20;
 pub enum ShaderPath {
     /// The SPIR-V as it was compiled; Vulkan only.
     Passthrough,
-    /// Translated by naga to the driver's language, with its bounds checks; for other drivers, and for comparison.
+    /// Translated by naga to the driver's language, with its bounds checks; for other drivers, and
+    /// for comparison.
     Naga,
 }
 
@@ -58,8 +59,14 @@ impl Clock {
                 ty: wgpu::QueryType::Timestamp,
                 count: 2 * parts,
             }),
-            resolved: buffer("timestamps", wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
-            staging: buffer("timestamps", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
+            resolved: buffer(
+                "timestamps",
+                wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            ),
+            staging: buffer(
+                "timestamps",
+                wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            ),
         }
     }
 }
@@ -87,7 +94,10 @@ impl GpuExecutor {
             memory_hints: wgpu::MemoryHints::Performance,
             ..Default::default()
         }))
-        .map_err(|error| ExecError::Unsuitable { device: name.clone(), reason: error.to_string() })?;
+        .map_err(|error| ExecError::Unsuitable {
+            device: name.clone(),
+            reason: error.to_string(),
+        })?;
 
         let failure = Arc::new(Mutex::new(None));
         let on_error = Arc::clone(&failure);
@@ -103,7 +113,9 @@ impl GpuExecutor {
             name,
             pipelines: HashMap::new(),
             limits,
-            clock: features.contains(wgpu::Features::TIMESTAMP_QUERY).then(|| Mutex::new(Clock::new(&device, 32))),
+            clock: features
+                .contains(wgpu::Features::TIMESTAMP_QUERY)
+                .then(|| Mutex::new(Clock::new(&device, 32))),
             failure,
             device,
             queue,
@@ -135,8 +147,8 @@ impl GpuExecutor {
                     spirv: Some(words.into()),
                     ..Default::default()
                 };
-                // SAFETY: the module was validated when it was compiled, its interface is compared with the table by a
-                // test, and every launch binds what the table says.
+                // SAFETY: the module was validated when it was compiled, its interface is compared
+                // with the table by a test, and every launch binds what the table says.
                 unsafe { self.device.create_shader_module_passthrough(descriptor) }
             }
             ShaderPath::Naga => self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -166,9 +178,10 @@ impl GpuExecutor {
                 count: None,
             })
             .collect();
-        let layout = self
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(kernel.name), entries: &entries });
+        let layout = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(kernel.name),
+            entries: &entries,
+        });
         let pipeline_layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(kernel.name),
             bind_group_layouts: &[Some(&layout)],
@@ -202,10 +215,15 @@ impl GpuExecutor {
         first_byte: u64,
     ) -> wgpu::BindGroup {
         let part = |buffer, offset, bytes| {
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size: std::num::NonZero::new(bytes) })
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer,
+                offset,
+                size: std::num::NonZero::new(bytes),
+            })
         };
         let uniform = part(parameters, first_byte, launch.parameters.len() as u64);
-        let storage = launch.views.iter().map(|view| part(view.buffer, view.first_byte, view.bytes));
+        let storage =
+            launch.views.iter().map(|view| part(view.buffer, view.first_byte, view.bytes));
         let entries: Vec<_> = std::iter::once(uniform)
             .chain(storage)
             .zip(0..)
@@ -243,7 +261,9 @@ impl GpuExecutor {
 
     /// Waits for all submitted work.
     fn wait(&self) -> Result<(), ExecError> {
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| self.failed(error.to_string()))?;
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| self.failed(error.to_string()))?;
         self.check()
     }
 
@@ -260,7 +280,12 @@ impl GpuExecutor {
     }
 
     /// Copies at most [`TRANSFER_BYTES`] to the host.
-    fn read_part(&self, buffer: &wgpu::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
+    fn read_part(
+        &self,
+        buffer: &wgpu::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
         let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("staging"),
             size: bytes,
@@ -277,7 +302,8 @@ impl GpuExecutor {
     fn map(&self, staging: &wgpu::Buffer, bytes: u64) -> Result<Vec<u8>, ExecError> {
         staging.map_async(wgpu::MapMode::Read, ..bytes, |_| {});
         self.wait()?;
-        let mapped = staging.get_mapped_range(..bytes).map_err(|error| self.failed(error.to_string()))?;
+        let mapped =
+            staging.get_mapped_range(..bytes).map_err(|error| self.failed(error.to_string()))?;
         let copy = mapped.to_vec();
         drop(mapped);
         staging.unmap();
@@ -316,7 +342,9 @@ impl Executor for GpuExecutor {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: bytes.next_multiple_of(4),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+            usage: wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::COPY_DST
+                | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
         if pollster::block_on(scope.pop()).is_some() {
@@ -337,11 +365,20 @@ impl Executor for GpuExecutor {
         Ok(())
     }
 
-    fn read(&self, buffer: &wgpu::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
+    fn read(
+        &self,
+        buffer: &wgpu::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
         let mut copy = Vec::with_capacity(bytes as usize);
         while (copy.len() as u64) < bytes {
             let done = copy.len() as u64;
-            copy.extend(self.read_part(buffer, first_byte + done, TRANSFER_BYTES.min(bytes - done))?);
+            copy.extend(self.read_part(
+                buffer,
+                first_byte + done,
+                TRANSFER_BYTES.min(bytes - done),
+            )?);
         }
         Ok(copy)
     }
@@ -352,7 +389,8 @@ impl Executor for GpuExecutor {
         }
         let start = Instant::now();
         let count = parts.len() as u32;
-        let mut clock = self.clock.as_ref().map(|clock| clock.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut clock =
+            self.clock.as_ref().map(|clock| clock.lock().unwrap_or_else(PoisonError::into_inner));
         if let Some(clock) = &mut clock
             && clock.parts < count
         {
@@ -395,7 +433,9 @@ impl Executor for GpuExecutor {
         let period = f64::from(self.queue.get_timestamp_period());
         Ok(stamps
             .chunks_exact(2)
-            .map(|stamp| Duration::from_nanos((stamp[1].saturating_sub(stamp[0]) as f64 * period) as u64))
+            .map(|stamp| {
+                Duration::from_nanos((stamp[1].saturating_sub(stamp[0]) as f64 * period) as u64)
+            })
             .collect())
     }
 }

@@ -2,8 +2,8 @@
 
 use super::native::{NativeArguments, NativeBinding};
 use rayon::prelude::*;
-use raystream_shaders::access::{Atomics, Scatter};
-use raystream_shaders::prefix::Lane;
+use raystream_shaders::memory::access::{Atomics, Scatter};
+use raystream_shaders::parallel::prefix::Lane;
 
 /// A kernel, as both executors need to know it.
 pub struct Kernel {
@@ -33,8 +33,8 @@ pub enum Access {
     Uniform,
     /// A storage buffer that any thread reads anywhere.
     Read,
-    /// A storage buffer that threads write: each the element of its own number, or wherever no other thread does, or by
-    /// atomics.
+    /// A storage buffer that threads write: each the element of its own number, or wherever no
+    /// other thread does, or by atomics.
     Write,
 }
 

@@ -1,8 +1,8 @@
 //! Running kernels on a device.
 //!
-//! [`kernels`] is the table of what can be run. An [`Executor`] owns buffers and runs launches of kernels over them: [`cpu`] calls
-//! the native functions through rayon, [`gpu`] the SPIR-V entry points through wgpu. Everything above this module
-//! is generic over the trait and exists once.
+//! [`kernels`] is the table of what can be run. An [`Executor`] owns buffers and runs launches of
+//! kernels over them: [`cpu`] calls the native functions through rayon, [`gpu`] the SPIR-V entry
+//! points through wgpu. Everything above this module is generic over the trait and exists once.
 
 pub mod array;
 pub mod counting;
@@ -33,7 +33,12 @@ pub trait Executor {
     fn check_size(&self, label: &'static str, bytes: u64) -> Result<(), ExecError> {
         let limit = self.limits().buffer_bytes;
         if bytes > limit {
-            return Err(ExecError::TooLarge { device: self.name().to_owned(), label, bytes, limit });
+            return Err(ExecError::TooLarge {
+                device: self.name().to_owned(),
+                label,
+                bytes,
+                limit,
+            });
         }
         Ok(())
     }
@@ -45,11 +50,17 @@ pub trait Executor {
     fn write(&self, buffer: &Self::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError>;
 
     /// Copies `bytes` bytes from `buffer` from `first_byte` on; both multiples of 4.
-    fn read(&self, buffer: &Self::Buffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError>;
+    fn read(
+        &self,
+        buffer: &Self::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError>;
 
-    /// Runs the launches of all `parts` one after the other, each seeing what those before it wrote, and waits for them. Returns
-    /// how long each part took: by the device's own clock where it has one. To read that clock takes a GPU some microseconds,
-    /// as long as small launches take: so they are timed together where only their sum is wanted.
+    /// Runs the launches of all `parts` one after the other, each seeing what those before it
+    /// wrote, and waits for them. Returns how long each part took: by the device's own clock where
+    /// it has one. To read that clock takes a GPU some microseconds, as long as small launches
+    /// take: so they are timed together where only their sum is wanted.
     fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError>;
 
     /// Runs `launches` likewise, and returns how long each took.
@@ -82,13 +93,18 @@ pub struct Launch<'a, B> {
 }
 
 impl<'a, B> Launch<'a, B> {
-    /// The run of `kernel` with its `parameters` and, in the order of the table, its other bindings.
+    /// The run of `kernel` with its `parameters` and, in the order of the table, its other
+    /// bindings.
     ///
     /// Every parameter block begins with the number of threads, as u32.
     ///
     /// # Panics
     /// If the number of views is not that of the table.
-    pub fn new(kernel: &'static Kernel, parameters: &impl bytemuck::NoUninit, views: Vec<View<'a, B>>) -> Self {
+    pub fn new(
+        kernel: &'static Kernel,
+        parameters: &impl bytemuck::NoUninit,
+        views: Vec<View<'a, B>>,
+    ) -> Self {
         assert_eq!(views.len() + 1, kernel.bindings.len(), "bindings of {}", kernel.name);
         Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views }
     }
@@ -104,7 +120,8 @@ impl<'a, B> Launch<'a, B> {
     }
 }
 
-/// What `allocate` makes of `capacity` or, as long as the device lacks the memory, of half of it, and so on; of no less than half of `smallest`.
+/// What `allocate` makes of `capacity` or, as long as the device lacks the memory, of half of it,
+/// and so on; of no less than half of `smallest`.
 pub fn halve_until_it_fits<T>(
     capacity: u32,
     smallest: u32,
@@ -131,7 +148,9 @@ pub enum ExecError {
         known: String,
     },
     /// Asked for a GPU where there is none.
-    #[error("there is no GPU that Vulkan, Metal or DirectX 12 can use; install its driver or use --device cpu")]
+    #[error(
+        "there is no GPU that Vulkan, Metal or DirectX 12 can use; install its driver or use --device cpu"
+    )]
     NoGpu,
     /// The device lacks something that the kernels need.
     #[error("{device} cannot run the kernels: {reason}; use --device cpu")]
@@ -154,7 +173,9 @@ pub enum ExecError {
         bytes: u64,
     },
     /// A buffer is larger than a kernel can be given.
-    #[error("{device} gives a kernel at most {limit} bytes at once, but {label} takes {bytes}; use --device cpu")]
+    #[error(
+        "{device} gives a kernel at most {limit} bytes at once, but {label} takes {bytes}; use --device cpu"
+    )]
     TooLarge {
         /// The device.
         device: String,

@@ -46,14 +46,15 @@ impl<'a> NativeBinding<'a> {
         }
     }
 
-    /// The words of a binding of access [`Write`](super::Access::Write), for lanes that write at places of their choice.
+    /// The words of a binding of access [`Write`](super::Access::Write), for lanes that write at
+    /// places of their choice.
     ///
     /// # Panics
     /// If the executor locked it for reading: a bug in the executor.
     pub fn into_atomics(self) -> &'a [AtomicU32] {
         let words: &'a mut [u32] = self.into_slice_mut();
-        // SAFETY: an AtomicU32 has the size, alignment and bits of a u32, and for the lifetime of the result nobody else has the
-        // words, which this exclusive borrow shows.
+        // SAFETY: an AtomicU32 has the size, alignment and bits of a u32, and for the lifetime of
+        // the result nobody else has the words, which this exclusive borrow shows.
         unsafe { &*(std::ptr::from_mut(words) as *const [AtomicU32]) }
     }
 }

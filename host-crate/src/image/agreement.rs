@@ -3,8 +3,9 @@
 use super::{ColorImage, ImageError};
 use glam::{DVec3, Vec3};
 
-/// Share of the pixels, the worst ones, that are left out as fireflies: a rare bright path that only one of the pictures
-/// has found says nothing of the rest, and its pixel's variance is not known before it is found.
+/// Share of the pixels, the worst ones, that are left out as fireflies: a rare bright path that
+/// only one of the pictures has found says nothing of the rest, and its pixel's variance is not
+/// known before it is found.
 const FIREFLIES: f64 = 0.001;
 
 /// How far a render is from another.
@@ -12,7 +13,8 @@ const FIREFLIES: f64 = 0.001;
 pub struct Agreement {
     /// Ratio of the means over all pixels and components, test by reference, fireflies included.
     pub mean_ratio: f64,
-    /// The largest difference of a block's mean in one component, in standard errors of that difference.
+    /// The largest difference of a block's mean in one component, in standard errors of that
+    /// difference.
     pub worst_block: f64,
     /// That block's top left pixel, x and y.
     pub worst_at: [u32; 2],
@@ -22,10 +24,12 @@ pub struct Agreement {
     pub fireflies: usize,
 }
 
-/// Compares `test` with an independent `reference` by blocks of `block` (width, height) pixels; those cut by the right and lower edges count too.
+/// Compares `test` with an independent `reference` by blocks of `block` (width, height) pixels;
+/// those cut by the right and lower edges count too.
 ///
-/// `variance` is the variance of each pixel's mean in `test`, which took `samples_ratio` times as many samples per pixel as the
-/// reference did; the reference is taken to have the same variance per sample.
+/// `variance` is the variance of each pixel's mean in `test`, which took `samples_ratio` times as
+/// many samples per pixel as the reference did; the reference is taken to have the same variance
+/// per sample.
 ///
 /// # Errors
 /// [`ImageError::SizesDiffer`] if the pictures are not of one size.
@@ -45,7 +49,10 @@ pub fn agreement(
         .map(|((t, r), v)| {
             // What never varies, such as a lamp seen directly, still differs by rounding.
             let rounding = r.as_dvec3() * 1e-5;
-            (t.as_dvec3() - r.as_dvec3(), v.as_dvec3() * (1.0 + samples_ratio) + rounding * rounding)
+            (
+                t.as_dvec3() - r.as_dvec3(),
+                v.as_dvec3() * (1.0 + samples_ratio) + rounding * rounding,
+            )
         })
         .collect();
     let in_errors = |difference: DVec3, variance: DVec3| {
@@ -57,23 +64,33 @@ pub fn agreement(
 
     let mut by_error: Vec<usize> = (0..differences.len()).collect();
     by_error.sort_by(|&a, &b| {
-        in_errors(differences[b].0, differences[b].1).total_cmp(&in_errors(differences[a].0, differences[a].1))
+        in_errors(differences[b].0, differences[b].1)
+            .total_cmp(&in_errors(differences[a].0, differences[a].1))
     });
     let fireflies = (differences.len() as f64 * FIREFLIES).ceil() as usize;
     let mut is_firefly = vec![false; differences.len()];
     by_error.iter().take(fireflies).for_each(|&pixel| is_firefly[pixel] = true);
 
-    let sum = |image: &ColorImage| image.pixels.iter().map(|p| p.as_dvec3().element_sum()).sum::<f64>();
-    let mut result =
-        Agreement { mean_ratio: sum(test) / sum(reference), worst_block: 0.0, worst_at: [0, 0], blocks: 0, fireflies };
+    let sum =
+        |image: &ColorImage| image.pixels.iter().map(|p| p.as_dvec3().element_sum()).sum::<f64>();
+    let mut result = Agreement {
+        mean_ratio: sum(test) / sum(reference),
+        worst_block: 0.0,
+        worst_at: [0, 0],
+        blocks: 0,
+        fireflies,
+    };
     for top in (0..test.height).step_by(block[1].max(1) as usize) {
         for left in (0..test.width).step_by(block[0].max(1) as usize) {
             let rows = top..test.height.min(top + block[1]);
-            let pixels =
-                rows.flat_map(|y| (left..test.width.min(left + block[0])).map(move |x| (y * test.width + x) as usize));
+            let pixels = rows.flat_map(|y| {
+                (left..test.width.min(left + block[0])).map(move |x| (y * test.width + x) as usize)
+            });
             let (difference, variance) = pixels
                 .filter(|&pixel| !is_firefly[pixel])
-                .fold((DVec3::ZERO, DVec3::ZERO), |(d, v), pixel| (d + differences[pixel].0, v + differences[pixel].1));
+                .fold((DVec3::ZERO, DVec3::ZERO), |(d, v), pixel| {
+                    (d + differences[pixel].0, v + differences[pixel].1)
+                });
             let errors = in_errors(difference, variance);
             // NaN must not pass for agreement.
             if errors > result.worst_block || errors.is_nan() {
@@ -90,7 +107,11 @@ mod tests {
     use super::*;
 
     fn image(value: impl Fn(usize) -> f32) -> ColorImage {
-        ColorImage { width: 40, height: 50, pixels: (0..2000).map(|p| Vec3::splat(value(p))).collect() }
+        ColorImage {
+            width: 40,
+            height: 50,
+            pixels: (0..2000).map(|p| Vec3::splat(value(p))).collect(),
+        }
     }
 
     #[test]
@@ -104,7 +125,8 @@ mod tests {
 
         let shifted = image(|p| noise(p) + if p % 40 >= 30 && p >= 1600 { 0.1 } else { 0.0 });
         let differs = agreement(&shifted, &variance, 1.0, &reference, [10, 10]).unwrap();
-        // 100 pixels, each 0.1 off with a standard error of 0.1: 10 standard errors, less what two fireflies take away.
+        // 100 pixels, each 0.1 off with a standard error of 0.1: 10 standard errors, less what two
+        // fireflies take away.
         assert!((9.5..10.5).contains(&differs.worst_block), "{differs:?}");
         assert_eq!(differs.worst_at, [30, 40]);
     }

@@ -7,9 +7,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Fails now if writing a picture to `path` would: its extension is not `.exr` or `.png`, its folder does not
-/// exist or is not writable, or it names a folder, a device or a write-protected file. Leaves nothing behind and
-/// does not touch an existing file.
+/// Fails now if writing a picture to `path` would: its extension is not `.exr` or `.png`, its
+/// folder does not exist or is not writable, or it names a folder, a device or a write-protected
+/// file. Leaves nothing behind and does not touch an existing file.
 ///
 /// # Errors
 /// The [`ImageError`] that writing would give.
@@ -17,18 +17,22 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     Format::of(path)?;
     let target = Target::of(path)?;
     // What permissions mean (owners, access lists, read-only mounts) only the system knows: ask it.
-    tempfile::tempfile_in(&target.folder).map_err(|e| ImageError::from_write(path, &target.folder, e))?;
+    tempfile::tempfile_in(&target.folder)
+        .map_err(|e| ImageError::from_write(path, &target.folder, e))?;
     Ok(())
 }
 
-/// Makes `bytes` the contents of `path`. On any error an existing file keeps its contents, and no other file is
-/// left behind.
+/// Makes `bytes` the contents of `path`. On any error an existing file keeps its contents, and no
+/// other file is left behind.
 pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
     replace_file_with(path, |file| file.write_all(bytes))
 }
 
 /// As [`replace_file`], with the contents that `write` puts into the file.
-fn replace_file_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), ImageError> {
+fn replace_file_with(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> Result<(), ImageError> {
     let target = Target::of(path)?;
     let error = |e| ImageError::from_write(path, &target.folder, e);
     // Removed again when dropped.
@@ -47,8 +51,9 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the temporary files of pictures that other threads are writing; for a signal handler that then ends the process.
-/// From now on no picture can be written: a thread that tries waits for the end of the process.
+/// Removes the temporary files of pictures that other threads are writing; for a signal handler
+/// that then ends the process. From now on no picture can be written: a thread that tries waits for
+/// the end of the process.
 pub fn discard_unfinished() {
     let unfinished = unfinished();
     for path in unfinished.iter() {
@@ -90,7 +95,9 @@ impl Target {
             Some(m) if m.permissions().readonly() => {
                 return Err(ImageError::WriteProtected { path: path.to_owned() });
             }
-            Some(_) => path.canonicalize().map_err(|e| ImageError::from_write(path, parent(path), e))?,
+            Some(_) => {
+                path.canonicalize().map_err(|e| ImageError::from_write(path, parent(path), e))?
+            }
             None => path.to_owned(),
         };
         let folder = parent(&file).to_owned();
@@ -100,8 +107,8 @@ impl Target {
         Ok(Target { file, folder, permissions: existing.map(|m| m.permissions()) })
     }
 
-    /// An empty file in the target's folder, with the permissions that the target has or, if it is new, that
-    /// any program's new file would have.
+    /// An empty file in the target's folder, with the permissions that the target has or, if it is
+    /// new, that any program's new file would have.
     fn temporary_file(&self) -> io::Result<(Listed, tempfile::NamedTempFile)> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".raystream-").suffix(".tmp");
@@ -136,8 +143,10 @@ mod tests {
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<_> =
-            fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
         names.sort();
         names
     }
@@ -208,9 +217,14 @@ mod tests {
             }
         }
         let folder = tempfile::tempdir().unwrap();
-        let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"]).arg(folder.path()).output();
+        let mount = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"])
+            .arg(folder.path())
+            .output();
         if !mount.is_ok_and(|o| o.status.success()) {
-            eprintln!("SKIPPED: a_disk_that_fills_up needs the right to mount a tmpfs; run the tests as root");
+            eprintln!(
+                "SKIPPED: a_disk_that_fills_up needs the right to mount a tmpfs; run the tests as root"
+            );
             return;
         }
         let disk = Mounted(folder);
@@ -252,11 +266,18 @@ mod tests {
         assert!(matches!(check("a.jpg"), ImageError::UnknownExtension { .. }));
         assert!(matches!(check("folder.exr"), ImageError::IsFolder { .. }));
         assert!(matches!(check("kept.exr"), ImageError::WriteProtected { .. }));
-        assert!(matches!(check("file/a.exr"), ImageError::Write { .. } | ImageError::NoFolder { .. }));
+        assert!(matches!(
+            check("file/a.exr"),
+            ImageError::Write { .. } | ImageError::NoFolder { .. }
+        ));
         let missing = check("missing/a.exr");
         assert!(matches!(missing, ImageError::NoFolder { .. }));
         let message = missing.to_string();
-        assert!(message.contains(at("missing/a.exr").to_str().unwrap()) && message.contains("create it"), "{message}");
+        assert!(
+            message.contains(at("missing/a.exr").to_str().unwrap())
+                && message.contains("create it"),
+            "{message}"
+        );
         assert!(replace_file(&at("kept.exr"), b"new").is_err());
         assert!(replace_file(&at("folder.exr"), b"new").is_err());
     }
@@ -266,7 +287,10 @@ mod tests {
     fn a_folder_that_takes_no_files() {
         // Even root cannot create a file here.
         let error = check_writable(Path::new("/proc/a.exr")).unwrap_err();
-        assert!(matches!(error, ImageError::Write { .. } | ImageError::FolderNotWritable { .. }), "{error}");
+        assert!(
+            matches!(error, ImageError::Write { .. } | ImageError::FolderNotWritable { .. }),
+            "{error}"
+        );
         assert!(replace_file(Path::new("/proc/a.exr"), b"").is_err());
     }
 

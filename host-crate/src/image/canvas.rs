@@ -46,12 +46,14 @@ impl Canvas {
         }
     }
 
-    /// Writes black text, its upper left corner at (`x`, `y`). A letter that is not in Latin-1 becomes a question mark.
+    /// Writes black text, its upper left corner at (`x`, `y`). A letter that is not in Latin-1
+    /// becomes a question mark.
     pub fn write(&mut self, x: u32, y: u32, text: &str, font: &MonoFont) {
         // Beyond that there is no picture.
         if let (Ok(x), Ok(y)) = (x.try_into(), y.try_into()) {
             let style = MonoTextStyle::new(font, Rgb888::BLACK);
-            let Ok(_) = Text::with_baseline(text, Point::new(x, y), style, Baseline::Top).draw(self);
+            let Ok(_) =
+                Text::with_baseline(text, Point::new(x, y), style, Baseline::Top).draw(self);
         }
     }
 }
@@ -66,7 +68,10 @@ impl DrawTarget for Canvas {
     type Color = Rgb888;
     type Error = Infallible;
 
-    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, pixels: I) -> Result<(), Infallible> {
+    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(
+        &mut self,
+        pixels: I,
+    ) -> Result<(), Infallible> {
         for Pixel(point, color) in pixels {
             if let (Ok(x), Ok(y)) = (point.x.try_into(), point.y.try_into()) {
                 self.set(x, y, [color.r(), color.g(), color.b()]);

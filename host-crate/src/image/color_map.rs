@@ -7,19 +7,22 @@ use super::png::write_rgb8;
 use super::scale::Scale;
 use std::path::Path;
 
-/// Writes a PNG of one number a pixel as colours (viridis: from dark violet over green to bright yellow, evenly lighter),
-/// with a legend below it: a title, the colours with their numbers, and what the other colours stand for.
+/// Writes a PNG of one number a pixel as colours (viridis: from dark violet over green to bright
+/// yellow, evenly lighter), with a legend below it: a title, the colours with their numbers, and
+/// what the other colours stand for.
 ///
-/// `values` holds `width * height` numbers, row by row from the top. `range` gives the numbers at both ends of the colours, the
-/// smaller first, so that several pictures can have the same; numbers beyond it get the colour of that end. Without it the
-/// colours span the values that there are, at most six decades below the largest where they are logarithmic. A range of more
-/// than a decade that begins above zero is logarithmic; then zero is black. What is not finite is magenta.
+/// `values` holds `width * height` numbers, row by row from the top. `range` gives the numbers at
+/// both ends of the colours, the smaller first, so that several pictures can have the same; numbers
+/// beyond it get the colour of that end. Without it the colours span the values that there are, at
+/// most six decades below the largest where they are logarithmic. A range of more than a decade
+/// that begins above zero is logarithmic; then zero is black. What is not finite is magenta.
 ///
-/// The pixels are in the upper left corner. Where the picture is narrower than its legend, white fills the rest of the rows.
+/// The pixels are in the upper left corner. Where the picture is narrower than its legend, white
+/// fills the rest of the rows.
 ///
 /// # Errors
-/// [`ImageError`] if the values do not fit the picture's size, the range is not of two finite numbers in order, or the file
-/// cannot be written. An existing file is then left as it was.
+/// [`ImageError`] if the values do not fit the picture's size, the range is not of two finite
+/// numbers in order, or the file cannot be written. An existing file is then left as it was.
 pub fn write_color_map(
     path: &Path,
     width: u32,
@@ -40,7 +43,8 @@ pub(super) struct ColorMap<'a> {
     pub title: &'a str,
     /// The numbers at both ends of the colours.
     pub range: Option<(f32, f32)>,
-    /// What a zero stands for, if that is no value: the legend says so, and the colours leave it out.
+    /// What a zero stands for, if that is no value: the legend says so, and the colours leave it
+    /// out.
     pub zero: Option<&'a str>,
 }
 
@@ -85,11 +89,12 @@ impl ColorMap<'_> {
         let scale = self.scale();
         let notes = self.notes(scale);
         let legend = Legend::new(self.width, self.title, scale, &notes);
-        let height = self.height.checked_add(legend.height()).ok_or_else(|| ImageError::Encode {
-            path: path.to_owned(),
-            format: "PNG",
-            reason: format!("there is no room for a legend below {} rows", self.height),
-        })?;
+        let height =
+            self.height.checked_add(legend.height()).ok_or_else(|| ImageError::Encode {
+                path: path.to_owned(),
+                format: "PNG",
+                reason: format!("there is no room for a legend below {} rows", self.height),
+            })?;
         let mut canvas = Canvas::new(legend.width(), height);
         for (y, row) in (0..).zip(self.values.chunks_exact(self.width as usize)) {
             for (x, &value) in (0..).zip(row) {
@@ -104,7 +109,9 @@ impl ColorMap<'_> {
     fn scale(&self) -> Option<Scale> {
         match self.range {
             Some((low, high)) => Some(Scale::new(low.into(), high.into())),
-            None => Scale::of(self.values.iter().copied().filter(|&value| self.zero.is_none() || value != 0.0)),
+            None => Scale::of(
+                self.values.iter().copied().filter(|&value| self.zero.is_none() || value != 0.0),
+            ),
         }
     }
 
@@ -113,11 +120,13 @@ impl ColorMap<'_> {
             return Place::NotFinite;
         }
         match scale {
-            Some(scale) if value != 0.0 || self.zero.is_none() && !scale.logarithmic => match f64::from(value) {
-                value if value < scale.low => Place::Below,
-                value if value > scale.high => Place::Above,
-                value => Place::Along(scale.position(value)),
-            },
+            Some(scale) if value != 0.0 || self.zero.is_none() && !scale.logarithmic => {
+                match f64::from(value) {
+                    value if value < scale.low => Place::Below,
+                    value if value > scale.high => Place::Above,
+                    value => Place::Along(scale.position(value)),
+                }
+            }
             // Without a scale, all that is finite is zero.
             _ => Place::Zero,
         }
@@ -169,7 +178,8 @@ mod tests {
     }
 
     fn notes(values: &[f32], range: Option<(f32, f32)>, zero: Option<&str>) -> Vec<String> {
-        let map = ColorMap { width: values.len() as u32, height: 1, values, title: "", range, zero };
+        let map =
+            ColorMap { width: values.len() as u32, height: 1, values, title: "", range, zero };
         map.notes(map.scale()).into_iter().map(|note| note.text).collect()
     }
 
@@ -185,7 +195,8 @@ mod tests {
             let [r, g, b] = color_at(t).map(|c| srgb_decode(f64::from(c) / 255.0));
             0.2126 * r + 0.7152 * g + 0.0722 * b
         };
-        let lightness: Vec<f64> = (0..=100).map(|i| 116.0 * luminance(f64::from(i) / 100.0).cbrt() - 16.0).collect();
+        let lightness: Vec<f64> =
+            (0..=100).map(|i| 116.0 * luminance(f64::from(i) / 100.0).cbrt() - 16.0).collect();
         for pair in lightness.windows(2) {
             // 0.76 on average; rounded to bytes.
             assert!((0.3..1.3).contains(&(pair[1] - pair[0])), "{pair:?}");
@@ -209,7 +220,8 @@ mod tests {
             assert_eq!(pixel.0, expected, "at ({x}, {y})");
         }
         // A row of the bar, from one end of the colours to the other.
-        let bar = (height..image.height()).find(|&y| image.get_pixel(5, y).0 == DARK).expect("a bar");
+        let bar =
+            (height..image.height()).find(|&y| image.get_pixel(5, y).0 == DARK).expect("a bar");
         assert_eq!(image.get_pixel(294, bar).0, BRIGHT);
         assert_eq!(image.get_pixel(150, bar).0, color_at(145.0 / 289.0));
         assert!(below(&image, height, [0; 3]) > 150, "title, ticks and numbers");
@@ -257,8 +269,15 @@ mod tests {
         let image = write(3, 1, &logarithmic, None);
         assert_eq!([0, 1, 2].map(|x| image.get_pixel(x, 0).0), [ZERO, DARK, BRIGHT]);
         assert_eq!(notes(&logarithmic, None, None), ["zero: 1 pixel"]);
-        assert_eq!(notes(&[0.0, 3.0, 5.0], None, None), [""; 0], "a linear scale has a place for it");
-        assert_eq!(notes(&[0.0, 0.0, 3.0, 5.0], None, Some("no surface")), ["no surface: 2 pixels"]);
+        assert_eq!(
+            notes(&[0.0, 3.0, 5.0], None, None),
+            [""; 0],
+            "a linear scale has a place for it"
+        );
+        assert_eq!(
+            notes(&[0.0, 0.0, 3.0, 5.0], None, Some("no surface")),
+            ["no surface: 2 pixels"]
+        );
         assert_eq!(notes(&[0.0, -0.0], None, Some("no surface")), ["no surface: 2 pixels"]);
     }
 
@@ -285,7 +304,11 @@ mod tests {
         }
         for range in [(2.0, 1.0), (f32::NAN, 1.0), (0.0, f32::INFINITY)] {
             let error = write_color_map(&path, 3, 1, &[1.0; 3], "", Some(range)).unwrap_err();
-            assert!(error.to_string().contains("a.png") && matches!(error, ImageError::ColorRange { .. }), "{error}");
+            assert!(
+                error.to_string().contains("a.png")
+                    && matches!(error, ImageError::ColorRange { .. }),
+                "{error}"
+            );
         }
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
     }

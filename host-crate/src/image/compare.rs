@@ -7,7 +7,8 @@ use serde::Serialize;
 /// What [`compare()`] leaves to choose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComparisonSettings {
-    /// Added to the squared reference in relative errors, above 0: below its root, errors count as absolute ones.
+    /// Added to the squared reference in relative errors, above 0: below its root, errors count as
+    /// absolute ones.
     pub epsilon: f64,
     /// Share of the pixels, the worst ones, that the trimmed error leaves out, in 0..1.
     pub trim: f64,
@@ -22,7 +23,8 @@ impl Default for ComparisonSettings {
     }
 }
 
-/// The errors of a picture `t` against a reference `r`. Not finite components count as 0, in either picture.
+/// The errors of a picture `t` against a reference `r`. Not finite components count as 0, in either
+/// picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// Root of the mean of `(t - r)^2` over pixels and components.
@@ -43,12 +45,13 @@ pub struct Comparison {
     pub non_finite_test: usize,
     /// Pixels of `r` that are not finite.
     pub non_finite_reference: usize,
-    /// The errors of blocks; nothing if not one whole block fits into the picture or the reference is black.
+    /// The errors of blocks; nothing if not one whole block fits into the picture or the reference
+    /// is black.
     pub blocks: Option<BlockComparison>,
 }
 
-/// The errors of the averages over blocks of pixels: noise shrinks there, bias does not. Blocks that the right and
-/// lower edges cut are left out. Errors are relative to the reference's mean.
+/// The errors of the averages over blocks of pixels: noise shrinks there, bias does not. Blocks
+/// that the right and lower edges cut are left out. Errors are relative to the reference's mean.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BlockComparison {
     /// Side of a block in pixels.
@@ -97,11 +100,19 @@ pub fn compare(
         ratio_rgb: std::array::from_fn(|i| ratio(sum_test[i], sum_reference[i])),
         non_finite_test,
         non_finite_reference,
-        blocks: compare_blocks(&test, &reference, width, height, settings.block.max(1), mean_reference),
+        blocks: compare_blocks(
+            &test,
+            &reference,
+            width,
+            height,
+            settings.block.max(1),
+            mean_reference,
+        ),
     })
 }
 
-/// The mean of `values` without the largest share `trim` of them, at least one being kept; 0 if there are none. Sorts them.
+/// The mean of `values` without the largest share `trim` of them, at least one being kept; 0 if
+/// there are none. Sorts them.
 pub(crate) fn trimmed_mean(values: &mut [f64], trim: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let kept = (values.len() as f64 * (1.0 - trim)).round_ties_even() as usize;
@@ -177,7 +188,10 @@ mod tests {
     use glam::Vec3;
 
     fn image(width: u32, height: u32, pixel: impl Fn(u32, u32) -> Vec3) -> ColorImage {
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+        let pixels = (0..height)
+            .flat_map(|y| (0..width).map(move |x| (x, y)))
+            .map(|(x, y)| pixel(x, y))
+            .collect();
         ColorImage { width, height, pixels }
     }
 
@@ -188,7 +202,8 @@ mod tests {
     #[test]
     fn errors_by_hand() {
         // Two pixels: one right, one off by (1, 0, -2) from (1, 2, 4).
-        let reference = image(2, 1, |x, _| if x == 0 { Vec3::ONE } else { Vec3::new(1.0, 2.0, 4.0) });
+        let reference =
+            image(2, 1, |x, _| if x == 0 { Vec3::ONE } else { Vec3::new(1.0, 2.0, 4.0) });
         let test = image(2, 1, |x, _| if x == 0 { Vec3::ONE } else { Vec3::new(2.0, 2.0, 2.0) });
         let settings = ComparisonSettings { epsilon: 1.0, trim: 0.5, block: 1 };
         let c = compare(&test, &reference, &settings).unwrap();
@@ -236,7 +251,9 @@ mod tests {
     #[test]
     fn trimming_leaves_out_a_thousandth() {
         let reference = image(100, 20, |_, _| Vec3::ONE);
-        let test = image(100, 20, |x, y| Vec3::splat(if (x, y) == (7, 3) || (x, y) == (8, 9) { 1e4 } else { 2.0 }));
+        let test = image(100, 20, |x, y| {
+            Vec3::splat(if (x, y) == (7, 3) || (x, y) == (8, 9) { 1e4 } else { 2.0 })
+        });
         let c = compare(&test, &reference, &ComparisonSettings::default()).unwrap();
         close(c.trimmed_relative_mse, 1.0 / 1.01);
         assert!(c.relative_mse > 1e4);
@@ -244,9 +261,11 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_is_counted_and_black() {
-        let reference =
-            image(2, 2, |x, y| if (x, y) == (1, 1) { Vec3::new(f32::INFINITY, 1.0, 1.0) } else { Vec3::ONE });
-        let test = image(2, 2, |x, _| if x == 0 { Vec3::new(1.0, f32::NAN, 1.0) } else { Vec3::ONE });
+        let reference = image(2, 2, |x, y| {
+            if (x, y) == (1, 1) { Vec3::new(f32::INFINITY, 1.0, 1.0) } else { Vec3::ONE }
+        });
+        let test =
+            image(2, 2, |x, _| if x == 0 { Vec3::new(1.0, f32::NAN, 1.0) } else { Vec3::ONE });
         let c = compare(&test, &reference, &ComparisonSettings::default()).unwrap();
         assert_eq!((c.non_finite_test, c.non_finite_reference), (2, 1));
         close(c.rmse, (3.0_f64 / 12.0).sqrt());
@@ -254,14 +273,23 @@ mod tests {
 
     #[test]
     fn black_reference_has_no_ratio() {
-        let c = compare(&image(1, 1, |_, _| Vec3::ONE), &image(1, 1, |_, _| Vec3::ZERO), &Default::default()).unwrap();
+        let c = compare(
+            &image(1, 1, |_, _| Vec3::ONE),
+            &image(1, 1, |_, _| Vec3::ZERO),
+            &Default::default(),
+        )
+        .unwrap();
         assert_eq!((c.ratio, c.ratio_rgb, c.blocks), (None, [None; 3], None));
         close(c.relative_mse, 100.0);
     }
 
     #[test]
     fn sizes_must_agree() {
-        let error = compare(&image(2, 3, |_, _| Vec3::ONE), &image(3, 2, |_, _| Vec3::ONE), &Default::default());
+        let error = compare(
+            &image(2, 3, |_, _| Vec3::ONE),
+            &image(3, 2, |_, _| Vec3::ONE),
+            &Default::default(),
+        );
         let message = error.unwrap_err().to_string();
         assert!(message.contains("2x3") && message.contains("3x2"), "{message}");
     }

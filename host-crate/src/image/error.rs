@@ -3,7 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a picture could not be read, written or compared. Every message names the file and what to do.
+/// Why a picture could not be read, written or compared. Every message names the file and what to
+/// do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageError {
@@ -170,11 +171,23 @@ pub enum ImageError {
 
 impl ImageError {
     /// [`Self::BufferSize`] unless the buffer `what` has one value for each of at least one pixel.
-    pub(super) fn check_buffer(path: &Path, what: &str, values: usize, width: u32, height: u32) -> Result<(), Self> {
+    pub(super) fn check_buffer(
+        path: &Path,
+        what: &str,
+        values: usize,
+        width: u32,
+        height: u32,
+    ) -> Result<(), Self> {
         if values > 0 && values as u64 == u64::from(width) * u64::from(height) {
             return Ok(());
         }
-        Err(Self::BufferSize { path: path.to_owned(), what: what.to_owned(), values, width, height })
+        Err(Self::BufferSize {
+            path: path.to_owned(),
+            what: what.to_owned(),
+            values,
+            width,
+            height,
+        })
     }
 
     /// What `source`, met while writing `path` into `folder`, means.

@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Reads every channel of an EXR file (of its first part, if it has several), converted to 32-bit float.
+/// Reads every channel of an EXR file (of its first part, if it has several), converted to 32-bit
+/// float.
 ///
 /// # Errors
 /// [`ImageError`] if the file cannot be read, is broken, deep or subsampled.
@@ -25,7 +26,8 @@ pub fn read_layers(path: &Path) -> Result<LayeredImage, ImageError> {
     })
 }
 
-/// Reads the settings that [`write_layers`](super::write_layers) stored, by key. Empty for files of other tools.
+/// Reads the settings that [`write_layers`](super::write_layers) stored, by key. Empty for files of
+/// other tools.
 ///
 /// # Errors
 /// [`ImageError`] if the file cannot be read or is broken.
@@ -35,7 +37,9 @@ pub fn read_settings(path: &Path) -> Result<BTreeMap<String, String>, ImageError
     let attributes = reader.headers().iter().flat_map(|h| &h.own_attributes.other);
     Ok(attributes
         .filter_map(|(name, value)| match value {
-            AttributeValue::Text(value) => Some((string(name).strip_prefix(SETTING_PREFIX)?.to_owned(), string(value))),
+            AttributeValue::Text(value) => {
+                Some((string(name).strip_prefix(SETTING_PREFIX)?.to_owned(), string(value)))
+            }
             _ => None,
         })
         .collect())
@@ -72,7 +76,11 @@ fn read_channels(
     let bytes = read_file(path)?;
     let reader = open(path, &bytes)?;
     let selection = select(reader.headers())?;
-    let header = reader.headers().get(selection.part).ok_or_else(|| broken(path, "it has no parts"))?.clone();
+    let header = reader
+        .headers()
+        .get(selection.part)
+        .ok_or_else(|| broken(path, "it has no parts"))?
+        .clone();
     check_readable(path, &header, bytes.len())?;
 
     let Vec2(width, height) = header.layer_size;
@@ -83,8 +91,9 @@ fn read_channels(
     }
     let mut decoded = 0;
     let decode = || {
-        let chunks =
-            reader.filter_chunks(false, |_, _, block| block.layer == selection.part && block.level == Vec2(0, 0))?;
+        let chunks = reader.filter_chunks(false, |_, _, block| {
+            block.layer == selection.part && block.level == Vec2(0, 0)
+        })?;
         // On this thread, where a panic can be caught.
         chunks.decompress_sequential(false, |_, block: UncompressedBlock| {
             for line in block.lines(&header.channels) {
@@ -92,14 +101,17 @@ fn read_channels(
                 let Vec2(x, y) = line.location.position;
                 let first = y * width + x;
                 let row = planes[slot].get_mut(first..first + line.location.sample_count);
-                let row = row.ok_or(exr::error::Error::Invalid("block outside the picture".into()))?;
+                let row =
+                    row.ok_or(exr::error::Error::Invalid("block outside the picture".into()))?;
                 copy_line(&line, header.channels.list[line.location.channel].sample_type, row)?;
                 decoded += row.len();
             }
             Ok(())
         })
     };
-    catch_panic(decode).ok_or_else(|| broken(path, "its pixels do not decode"))?.map_err(|e| from_exr(path, e))?;
+    catch_panic(decode)
+        .ok_or_else(|| broken(path, "its pixels do not decode"))?
+        .map_err(|e| from_exr(path, e))?;
     if decoded != width * height * planes.len() {
         return Err(broken(path, "pixels are missing"));
     }
@@ -111,24 +123,32 @@ fn read_channels(
 
 fn copy_line(line: &LineRef<'_>, kind: SampleType, row: &mut [f32]) -> exr::error::UnitResult {
     match kind {
-        SampleType::F16 => row.iter_mut().zip(line.read_samples::<f16>()).try_for_each(|(to, v)| {
-            *to = v?.to_f32();
-            Ok(())
-        }),
-        SampleType::F32 => row.iter_mut().zip(line.read_samples::<f32>()).try_for_each(|(to, v)| {
-            *to = v?;
-            Ok(())
-        }),
-        SampleType::U32 => row.iter_mut().zip(line.read_samples::<u32>()).try_for_each(|(to, v)| {
-            *to = v? as f32;
-            Ok(())
-        }),
+        SampleType::F16 => {
+            row.iter_mut().zip(line.read_samples::<f16>()).try_for_each(|(to, v)| {
+                *to = v?.to_f32();
+                Ok(())
+            })
+        }
+        SampleType::F32 => {
+            row.iter_mut().zip(line.read_samples::<f32>()).try_for_each(|(to, v)| {
+                *to = v?;
+                Ok(())
+            })
+        }
+        SampleType::U32 => {
+            row.iter_mut().zip(line.read_samples::<u32>()).try_for_each(|(to, v)| {
+                *to = v? as f32;
+                Ok(())
+            })
+        }
     }
 }
 
 /// Refuses what is not read, and sizes that can only be damage, before memory is taken for them.
 fn check_readable(path: &Path, header: &Header, file_bytes: usize) -> Result<(), ImageError> {
-    let unsupported = |reason: &str| Err(ImageError::Unsupported { path: path.to_owned(), reason: reason.into() });
+    let unsupported = |reason: &str| {
+        Err(ImageError::Unsupported { path: path.to_owned(), reason: reason.into() })
+    };
     if header.deep {
         return unsupported("deep data");
     }
@@ -196,7 +216,9 @@ mod tests {
                     .with_channel::<f16>("R")
                     .with_channel::<f32>("G")
                     .with_channel::<u32>("B")
-                    .with_pixel_fn(|at: Vec2<usize>| (f16::from_f32(at.0 as f32), at.1 as f32, (at.0 * at.1) as u32));
+                    .with_pixel_fn(|at: Vec2<usize>| {
+                        (f16::from_f32(at.0 as f32), at.1 as f32, (at.0 * at.1) as u32)
+                    });
                 let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
                 let layer = Layer::new(size, LayerAttributes::named("x"), encoding, channels);
                 Image::from_layer(layer).write().to_file(&path).unwrap();
@@ -229,7 +251,10 @@ mod tests {
             assert_eq!((image.width, image.height), (800, 600));
             let mean = image.pixels.iter().map(|p| p.as_dvec3()).sum::<glam::DVec3>() / 480_000.0;
             for i in 0..3 {
-                assert!((mean[i] / expected[i] - 1.0).abs() < 1e-6, "{scene}: {mean} is not {expected:?}");
+                assert!(
+                    (mean[i] / expected[i] - 1.0).abs() < 1e-6,
+                    "{scene}: {mean} is not {expected:?}"
+                );
             }
         }
     }
@@ -246,12 +271,14 @@ mod tests {
         assert!(matches!(read_color(&path).unwrap_err(), ImageError::IsFolder { .. }));
     }
 
-    /// Every cut must be an error, all other damage an error or, where it hits only pixels, a picture: never a panic.
+    /// Every cut must be an error, all other damage an error or, where it hits only pixels, a
+    /// picture: never a panic.
     #[test]
     fn damage_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        write_film(&path, &film(17, 35), &[("seed".into(), "1".into())], &Display::default()).unwrap();
+        write_film(&path, &film(17, 35), &[("seed".into(), "1".into())], &Display::default())
+            .unwrap();
         damage(&path, 101);
         for compression in [
             Compression::Uncompressed,
@@ -262,10 +289,20 @@ mod tests {
             Compression::B44,
         ] {
             for blocks in [Blocks::ScanLines, Blocks::Tiles(Vec2(16, 8))] {
-                let color = |at: Vec2<usize>| (f16::from_f32(at.0 as f32), (at.0 ^ at.1) as f32, at.1 as f32);
-                let channels = SpecificChannels::build().with_channel::<f16>("R").with_channel("G").with_channel("B");
+                let color = |at: Vec2<usize>| {
+                    (f16::from_f32(at.0 as f32), (at.0 ^ at.1) as f32, at.1 as f32)
+                };
+                let channels = SpecificChannels::build()
+                    .with_channel::<f16>("R")
+                    .with_channel("G")
+                    .with_channel("B");
                 let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
-                let layer = Layer::new((19, 23), LayerAttributes::named("x"), encoding, channels.with_pixel_fn(color));
+                let layer = Layer::new(
+                    (19, 23),
+                    LayerAttributes::named("x"),
+                    encoding,
+                    channels.with_pixel_fn(color),
+                );
                 Image::from_layer(layer).write().to_file(&path).unwrap();
                 damage(&path, 3);
             }
@@ -274,8 +311,8 @@ mod tests {
         assert!(matches!(read_color(&path).unwrap_err(), ImageError::Broken { .. }));
     }
 
-    /// Reads the file at `path` cut short and with bytes changed: everywhere in what may be the header, each
-    /// `step`-th byte after it.
+    /// Reads the file at `path` cut short and with bytes changed: everywhere in what may be the
+    /// header, each `step`-th byte after it.
     fn damage(path: &Path, step: usize) {
         let whole = std::fs::read(path).unwrap();
         let try_bytes = |bytes: &[u8]| {

@@ -6,7 +6,8 @@ use exr::meta::header::Header;
 use std::path::Path;
 
 /// Layers that hold the picture itself, should one be chosen among several.
-const MAIN_LAYERS: [&str; 8] = ["rgb", "rgba", "color", "colour", "beauty", "combined", "image", "main"];
+const MAIN_LAYERS: [&str; 8] =
+    ["rgb", "rgba", "color", "colour", "beauty", "combined", "image", "main"];
 
 /// What to read of a file.
 pub(super) struct Selection {
@@ -22,8 +23,13 @@ pub(super) fn select_color(path: &Path, headers: &[Header]) -> Result<Selection,
     for (part, header) in headers.iter().enumerate() {
         let names: Vec<String> = header.channels.list.iter().map(|c| string(&c.name)).collect();
         for red in &names {
-            let Some(layer) = red.strip_suffix('R').filter(|l| l.is_empty() || l.ends_with('.')) else { continue };
-            let find = |component: &str| names.iter().position(|n| n.strip_prefix(layer) == Some(component));
+            let Some(layer) = red.strip_suffix('R').filter(|l| l.is_empty() || l.ends_with('.'))
+            else {
+                continue;
+            };
+            let find = |component: &str| {
+                names.iter().position(|n| n.strip_prefix(layer) == Some(component))
+            };
             let (Some(r), Some(g), Some(b)) = (find("R"), find("G"), find("B")) else { continue };
             let name = match layer.strip_suffix('.') {
                 Some(layer) => layer.to_owned(),
@@ -38,7 +44,8 @@ pub(super) fn select_color(path: &Path, headers: &[Header]) -> Result<Selection,
         }
     }
     best.map(|(_, selection)| selection).ok_or_else(|| {
-        let names: Vec<String> = headers.iter().flat_map(|h| &h.channels.list).map(|c| string(&c.name)).collect();
+        let names: Vec<String> =
+            headers.iter().flat_map(|h| &h.channels.list).map(|c| string(&c.name)).collect();
         ImageError::NoColor { path: path.to_owned(), channels: names.join(", ") }
     })
 }
@@ -51,7 +58,9 @@ mod tests {
 
     fn with_channels(names: &[&str]) -> LayeredImage {
         let channels = names.iter().enumerate();
-        let channels = channels.map(|(i, n)| Channel { name: n.to_string(), values: vec![i as f32] }).collect();
+        let channels = channels
+            .map(|(i, n)| Channel { name: n.to_string(), values: vec![i as f32] })
+            .collect();
         LayeredImage { width: 1, height: 1, channels }
     }
 
@@ -61,8 +70,14 @@ mod tests {
         let path = folder.path().join("a.exr");
         for (names, expected) in [
             (&["albedo.R", "albedo.G", "albedo.B", "R", "G", "B", "A"][..], [3.0, 4.0, 5.0]),
-            (&["albedo.R", "albedo.G", "albedo.B", "color.R", "color.G", "color.B"], [3.0, 4.0, 5.0]),
-            (&["a.R", "a.G", "a.B", "View.Combined.R", "View.Combined.G", "View.Combined.B"], [3.0, 4.0, 5.0]),
+            (
+                &["albedo.R", "albedo.G", "albedo.B", "color.R", "color.G", "color.B"],
+                [3.0, 4.0, 5.0],
+            ),
+            (
+                &["a.R", "a.G", "a.B", "View.Combined.R", "View.Combined.G", "View.Combined.B"],
+                [3.0, 4.0, 5.0],
+            ),
             (&["x.B", "x.G", "x.R"], [2.0, 1.0, 0.0]),
             (&["half.R", "whole.R", "whole.G", "whole.B"], [1.0, 2.0, 3.0]),
         ] {
@@ -71,6 +86,9 @@ mod tests {
         }
         write_layers(&path, &with_channels(&["Y", "x.R", "y.G", "y.B"]), &[]).unwrap();
         let error = read_color(&path).unwrap_err();
-        assert!(matches!(error, ImageError::NoColor { .. }) && error.to_string().contains("x.R"), "{error}");
+        assert!(
+            matches!(error, ImageError::NoColor { .. }) && error.to_string().contains("x.R"),
+            "{error}"
+        );
     }
 }

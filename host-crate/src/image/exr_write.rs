@@ -3,8 +3,8 @@
 use super::{ImageError, LayeredImage, atomic};
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, LineOrder, Text, Vec2,
-    WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, LineOrder,
+    Text, Vec2, WritableImage,
 };
 use std::io::Cursor;
 use std::path::Path;
@@ -12,27 +12,38 @@ use std::path::Path;
 /// What the names of our settings in a header begin with.
 pub(super) const SETTING_PREFIX: &str = "raystream.";
 
-/// Writes an EXR file of one part with 32-bit float channels, ZIP compressed, under their full names
-/// (`layer.channel`): the form that most programs read. Each of `settings` (key, value) becomes the text attribute
-/// `raystream.<key>` of the header, UTF-8.
+/// Writes an EXR file of one part with 32-bit float channels, ZIP compressed, under their full
+/// names (`layer.channel`): the form that most programs read. Each of `settings` (key, value)
+/// becomes the text attribute `raystream.<key>` of the header, UTF-8.
 ///
-/// The pixels of equal pictures are equal bytes; the attributes of the header are in no fixed order.
+/// The pixels of equal pictures are equal bytes; the attributes of the header are in no fixed
+/// order.
 ///
 /// # Errors
-/// [`ImageError`] if a channel does not fit the picture's size, a key is empty, used twice or not made of ASCII
-/// letters, digits, `.`, `_`, `-`, or the file cannot be written. An existing file is then left as it was.
-pub fn write_layers(path: &Path, image: &LayeredImage, settings: &[(String, String)]) -> Result<(), ImageError> {
+/// [`ImageError`] if a channel does not fit the picture's size, a key is empty, used twice or not
+/// made of ASCII letters, digits, `.`, `_`, `-`, or the file cannot be written. An existing file is
+/// then left as it was.
+pub fn write_layers(
+    path: &Path,
+    image: &LayeredImage,
+    settings: &[(String, String)],
+) -> Result<(), ImageError> {
     atomic::replace_file(path, &encode(path, image, settings)?)
 }
 
 /// The bytes of the file; `path` is named in errors.
-fn encode(path: &Path, image: &LayeredImage, settings: &[(String, String)]) -> Result<Vec<u8>, ImageError> {
+fn encode(
+    path: &Path,
+    image: &LayeredImage,
+    settings: &[(String, String)],
+) -> Result<Vec<u8>, ImageError> {
     let size = Vec2(image.width as usize, image.height as usize);
     let mut channels = Vec::new();
     for channel in &image.channels {
         let what = format!("the channel {}", channel.name);
         ImageError::check_buffer(path, &what, channel.values.len(), image.width, image.height)?;
-        channels.push(AnyChannel::new(text(&channel.name), FlatSamples::F32(channel.values.clone())));
+        channels
+            .push(AnyChannel::new(text(&channel.name), FlatSamples::F32(channel.values.clone())));
     }
     let encoding = Encoding {
         compression: Compression::ZIP16,
@@ -77,13 +88,16 @@ const REC_709: Chromaticities = Chromaticities {
 pub(super) mod tests {
     use super::*;
     use crate::film::Film;
-    use crate::image::{ColorImage, Display, read_color, read_layers, read_settings, write_color, write_film};
+    use crate::image::{
+        ColorImage, Display, read_color, read_layers, read_settings, write_color, write_film,
+    };
     use glam::Vec3;
-    use raystream_shaders::estimate::Estimate;
-    use raystream_shaders::features::FeaturePixel;
+    use raystream_shaders::estimator::Estimate;
     use raystream_shaders::film::FilmPixel;
+    use raystream_shaders::integrator::first_hits::FeaturePixel;
 
-    /// A film without estimates whose every number differs; pixel 0 has no sample, pixel 1 only one.
+    /// A film without estimates whose every number differs; pixel 0 has no sample, pixel 1 only
+    /// one.
     pub fn film(width: u32, height: u32) -> Film {
         let vector = |i: u32, k: u32| Vec3::new(0.1, 1.7, 900.3) * (i * 31 + k) as f32 / 7.0;
         let radiance = |i: u32| FilmPixel {
@@ -131,7 +145,10 @@ pub(super) mod tests {
     #[test]
     fn every_layer_comes_back_bit_for_bit() {
         let sizes = [(1, 1), (1, 37), (53, 1), (19, 33)];
-        let films = sizes.map(|(w, h)| film(w, h)).into_iter().chain(sizes.map(|(w, h)| film_with_estimates(w, h)));
+        let films = sizes
+            .map(|(w, h)| film(w, h))
+            .into_iter()
+            .chain(sizes.map(|(w, h)| film_with_estimates(w, h)));
         for film in films {
             let (width, height) = (film.width, film.height);
             let folder = tempfile::tempdir().unwrap();
@@ -155,12 +172,18 @@ pub(super) mod tests {
                 ("position.", "XYZ", film.position()),
             ];
             if let Some(estimates) = &film.estimates {
-                expected.push(("error.V".to_owned(), estimates.iter().map(|e| e.squared_error).collect()));
+                expected.push((
+                    "error.V".to_owned(),
+                    estimates.iter().map(|e| e.squared_error).collect(),
+                ));
                 vectors.push(("filtered.", "RGB", estimates.iter().map(|e| e.filtered).collect()));
             }
             for (layer, components, values) in vectors {
                 for (i, component) in components.chars().enumerate() {
-                    expected.push((format!("{layer}{component}"), values.iter().map(|v| v[i]).collect()));
+                    expected.push((
+                        format!("{layer}{component}"),
+                        values.iter().map(|v| v[i]).collect(),
+                    ));
                 }
             }
             assert_eq!(read.channels.len(), expected.len());
@@ -172,7 +195,11 @@ pub(super) mod tests {
             assert_eq!((color.width, color.height), (width, height));
             let flat = |pixels: &[Vec3]| bits(pixels.iter().flat_map(|p| p.to_array()));
             assert_eq!(flat(&color.pixels), flat(&film.color()));
-            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no file but the picture");
+            assert_eq!(
+                std::fs::read_dir(folder.path()).unwrap().count(),
+                1,
+                "no file but the picture"
+            );
         }
     }
 
@@ -181,7 +208,11 @@ pub(super) mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("strange.exr");
         let strange = Vec3::new(f32::NAN, f32::NEG_INFINITY, -0.0);
-        let image = ColorImage { width: 2, height: 1, pixels: vec![strange, Vec3::new(f32::MAX, 1e-45, -1.0)] };
+        let image = ColorImage {
+            width: 2,
+            height: 1,
+            pixels: vec![strange, Vec3::new(f32::MAX, 1e-45, -1.0)],
+        };
         write_color(&path, &image, &[], &Display::default()).unwrap();
         let flat = |image: &ColorImage| bits(image.pixels.iter().flat_map(|p| p.to_array()));
         assert_eq!(flat(&read_color(&path).unwrap()), flat(&image));
@@ -193,8 +224,12 @@ pub(super) mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let long = "x".repeat(5000);
-        let settings =
-            pairs(&[("scene", "Šibenik 大聖堂 \"a\\b\"\n"), ("seed", "7"), ("empty", ""), ("a.long-key_0", &long)]);
+        let settings = pairs(&[
+            ("scene", "Šibenik 大聖堂 \"a\\b\"\n"),
+            ("seed", "7"),
+            ("empty", ""),
+            ("a.long-key_0", &long),
+        ]);
         write_film(&path, &film(3, 2), &settings, &Display::default()).unwrap();
         assert_eq!(read_settings(&path).unwrap(), settings.iter().cloned().collect());
         let bytes = std::fs::read(&path).unwrap();
@@ -215,7 +250,11 @@ pub(super) mod tests {
         let mut short = film(3, 2);
         short.features.pop();
         let error = write_film(&path, &short, &[], &Display::default()).unwrap_err().to_string();
-        assert!(error.contains("a.exr") && error.contains("the features has 5 values") && error.contains("3x2"));
+        assert!(
+            error.contains("a.exr")
+                && error.contains("the features has 5 values")
+                && error.contains("3x2")
+        );
         let mut short = film_with_estimates(3, 2);
         short.estimates.as_mut().unwrap().pop();
         let error = write_film(&path, &short, &[], &Display::default()).unwrap_err().to_string();

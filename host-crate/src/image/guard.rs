@@ -8,8 +8,9 @@ thread_local! {
     static GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `decode`; nothing if it panicked, which is then not reported on stderr either. It must work on this thread
-/// alone. (The EXR crate panics on some damaged files, for one with B44 compression.)
+/// Runs `decode`; nothing if it panicked, which is then not reported on stderr either. It must work
+/// on this thread alone. (The EXR crate panics on some damaged files, for one with B44
+/// compression.)
 pub(super) fn catch_panic<T>(decode: impl FnOnce() -> T) -> Option<T> {
     static QUIET: Once = Once::new();
     QUIET.call_once(|| {

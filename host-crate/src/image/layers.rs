@@ -21,7 +21,8 @@ pub struct LayeredImage {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// The channels, each of `width * height` values. Their order means nothing: a file sorts them by name.
+    /// The channels, each of `width * height` values. Their order means nothing: a file sorts them
+    /// by name.
     pub channels: Vec<Channel>,
 }
 
@@ -41,8 +42,8 @@ impl LayeredImage {
     /// | `filtered.R` ... `B` | the filtered picture, linear Rec.709; only with estimates |
     /// | `error.V` | estimated squared error of the mean radiance, the mean over the components; only with estimates |
     ///
-    /// `samples.N` is a float as all the others are, which every viewer shows; it is exact up to 2^24 samples.
-    /// `path` is named in errors.
+    /// `samples.N` is a float as all the others are, which every viewer shows; it is exact up to
+    /// 2^24 samples. `path` is named in errors.
     ///
     /// # Errors
     /// [`ImageError::BufferSize`] if a buffer of the film does not fit its size.

@@ -4,7 +4,8 @@ use super::canvas::{Canvas, font_for, text_width};
 use super::scale::{Scale, labels};
 use embedded_graphics::mono_font::MonoFont;
 
-/// A legend, laid out for a picture of some width: a title, a bar of the colours with ticks and numbers, and notes.
+/// A legend, laid out for a picture of some width: a title, a bar of the colours with ticks and
+/// numbers, and notes.
 pub(super) struct Legend<'a> {
     width: u32,
     font: &'static MonoFont<'static>,
@@ -31,13 +32,17 @@ impl<'a> Legend<'a> {
     /// A legend as wide as the picture, or wider where its text would not fit.
     pub fn new(picture_width: u32, title: &str, scale: Option<Scale>, notes: &'a [Note]) -> Self {
         let font = font_for(picture_width);
-        let longest_word = title.split_whitespace().map(|word| text_width(word, font)).max().unwrap_or(0);
+        let longest_word =
+            title.split_whitespace().map(|word| text_width(word, font)).max().unwrap_or(0);
         let width = picture_width.max(MIN_WIDTH).max(longest_word + 2 * margin(font));
         let columns = width - 2 * margin(font);
         let mut lines: Vec<String> = Vec::new();
         for word in title.split_whitespace() {
             match lines.last_mut() {
-                Some(line) if text_width(line, font) + text_width(" ", font) + text_width(word, font) <= columns => {
+                Some(line)
+                    if text_width(line, font) + text_width(" ", font) + text_width(word, font)
+                        <= columns =>
+                {
                     line.push(' ');
                     line.push_str(word);
                 }
@@ -55,11 +60,16 @@ impl<'a> Legend<'a> {
     /// Height in pixels.
     pub fn height(&self) -> u32 {
         let line = line_height(self.font);
-        let bar = if self.scale.is_some() { 2 * line + tick_length(self.font) + margin(self.font) } else { 0 };
+        let bar = if self.scale.is_some() {
+            2 * line + tick_length(self.font) + margin(self.font)
+        } else {
+            0
+        };
         2 * margin(self.font) + (self.title.len() + self.notes.len()) as u32 * line + bar
     }
 
-    /// Draws it, from the row `top` of a canvas of [`Self::width`]. `color` gives that of a position along the bar, 0 to 1.
+    /// Draws it, from the row `top` of a canvas of [`Self::width`]. `color` gives that of a
+    /// position along the bar, 0 to 1.
     pub fn draw(&self, canvas: &mut Canvas, top: u32, color: impl Fn(f64) -> [u8; 3]) {
         let font = self.font;
         let (margin, line) = (margin(font), line_height(font));
@@ -81,7 +91,13 @@ impl<'a> Legend<'a> {
         }
     }
 
-    fn draw_bar(&self, canvas: &mut Canvas, top: u32, scale: &Scale, color: impl Fn(f64) -> [u8; 3]) {
+    fn draw_bar(
+        &self,
+        canvas: &mut Canvas,
+        top: u32,
+        scale: &Scale,
+        color: impl Fn(f64) -> [u8; 3],
+    ) {
         let font = self.font;
         let (first, last) = (margin(font), self.width - margin(font) - 1);
         let bottom = top + line_height(font);
@@ -102,14 +118,16 @@ impl<'a> Legend<'a> {
     fn ticks(&self, scale: &Scale, first: u32, last: u32) -> Vec<Tick> {
         let font = self.font;
         let gap = text_width("  ", font);
-        let at = |value: f64| first + (scale.position(value) * f64::from(last - first)).round() as u32;
+        let at =
+            |value: f64| first + (scale.position(value) * f64::from(last - first)).round() as u32;
         if scale.low == scale.high {
             let text = labels(&[scale.low]).concat();
             let x = at(scale.low);
             return vec![Tick { x, label: Some((x - text_width(&text, font) / 2, text)) }];
         }
         for set in scale.tick_sets() {
-            let numbers: Vec<f64> = [scale.low].into_iter().chain(set).chain([scale.high]).collect();
+            let numbers: Vec<f64> =
+                [scale.low].into_iter().chain(set).chain([scale.high]).collect();
             let mut texts = labels(&numbers);
             let (Some(high), low) = (texts.pop(), texts.remove(0)) else { continue };
             let high_start = last + 1 - text_width(&high, font);
@@ -180,7 +198,13 @@ mod tests {
     fn numbers_never_overlap_and_the_ends_are_there() {
         for width in [1, 240, 500, 1300, 4000] {
             assert_eq!(numbers(width, 64.0, 64.0), ["64"]);
-            for (low, high) in [(0.0, 5.0), (3.0, 2000.0), (1.234e-30, 5.678e30), (-1e9, 1e-9), (1000.125, 1000.25)] {
+            for (low, high) in [
+                (0.0, 5.0),
+                (3.0, 2000.0),
+                (1.234e-30, 5.678e30),
+                (-1e9, 1e-9),
+                (1000.125, 1000.25),
+            ] {
                 let numbers = numbers(width, low, high);
                 assert!(numbers.len() >= 3, "{width} columns, {low} to {high}: {numbers:?}");
                 for (end, text) in [(low, numbers.first()), (high, numbers.last())] {
@@ -190,7 +214,10 @@ mod tests {
             }
         }
         assert_eq!(numbers(240, 0.0, 5.0), ["0", "1", "2", "3", "4", "5"]);
-        assert_eq!(numbers(240, 1e-6_f32.into(), 0.1_f32.into()), ["1e-6", "1e-4", "0.001", "0.01", "0.1"]);
+        assert_eq!(
+            numbers(240, 1e-6_f32.into(), 0.1_f32.into()),
+            ["1e-6", "1e-4", "0.001", "0.01", "0.1"]
+        );
         assert_eq!(numbers(240, 1.0, 16384.0), ["1", "10", "100", "1000", "16384"]);
     }
 

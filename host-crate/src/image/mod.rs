@@ -1,8 +1,10 @@
 //! Pictures on disk: EXR with named layers, PNG, and their comparison.
 //!
-//! A render is written with [`write_film`], any other picture with [`write_color`]: the extension of the
-//! path says how. [`write_png_layers`] and [`write_color_map`] make pictures of numbers, with a legend. [`read_color`] reads what any tool wrote; [`compare()`] and [`difference()`] set two pictures
-//! side by side. Call [`check_writable`] before a long render, so that a mistyped path costs no hours.
+//! A render is written with [`write_film`], any other picture with [`write_color`]: the extension
+//! of the path says how. [`write_png_layers`] and [`write_color_map`] make pictures of numbers,
+//! with a legend. [`read_color`] reads what any tool wrote; [`compare()`] and [`difference()`] set
+//! two pictures side by side. Call [`check_writable`] before a long render, so that a mistyped path
+//! costs no hours.
 //!
 //! Files appear whole or not at all: they are written beside the target and renamed.
 
@@ -47,12 +49,12 @@ pub use tone::{Display, ToneMap};
 use crate::film::Film;
 use std::path::Path;
 
-/// Writes a render: to `.exr` every layer ([`LayeredImage::from_film`]) and `settings` ([`write_layers`]), to
-/// `.png` its colour as `display` says.
+/// Writes a render: to `.exr` every layer ([`LayeredImage::from_film`]) and `settings`
+/// ([`write_layers`]), to `.png` its colour as `display` says.
 ///
 /// # Errors
-/// [`ImageError`] if the extension is neither, the film's buffers do not fit its size, or the file cannot be
-/// written. An existing file is then left as it was.
+/// [`ImageError`] if the extension is neither, the film's buffers do not fit its size, or the file
+/// cannot be written. An existing file is then left as it was.
 pub fn write_film(
     path: &Path,
     film: &Film,
@@ -65,8 +67,8 @@ pub fn write_film(
     }
 }
 
-/// Writes a picture of colours alone: to `.exr` as the channels R, G, B with `settings`, to `.png` as `display`
-/// says.
+/// Writes a picture of colours alone: to `.exr` as the channels R, G, B with `settings`, to `.png`
+/// as `display` says.
 ///
 /// # Errors
 /// As [`write_film`].
@@ -82,11 +84,13 @@ pub fn write_color(
     }
 }
 
-/// Reads the colours of a picture of any tool, linear as they stand in an `.exr`, decoded from sRGB of a `.png`.
+/// Reads the colours of a picture of any tool, linear as they stand in an `.exr`, decoded from sRGB
+/// of a `.png`.
 ///
-/// Of an EXR file it takes the channels R, G, B, or else those of a layer (`layer.R` ...), preferring one that
-/// is named as the picture usually is (`color`, `beauty`, `combined` ...); half, float or integer, scan lines or
-/// tiles. The picture is the data window. Transparency is ignored.
+/// Of an EXR file it takes the channels R, G, B, or else those of a layer (`layer.R` ...),
+/// preferring one that is named as the picture usually is (`color`, `beauty`, `combined` ...);
+/// half, float or integer, scan lines or tiles. The picture is the data window. Transparency is
+/// ignored.
 ///
 /// # Errors
 /// [`ImageError`] if the file cannot be read, is broken, or holds no such channels.

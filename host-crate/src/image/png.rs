@@ -12,8 +12,8 @@ use std::path::Path;
 /// Writes an 8-bit sRGB PNG of a linear picture as `display` says.
 ///
 /// # Errors
-/// [`ImageError`] if the pixels do not fit the picture's size or the file cannot be written. An existing file is
-/// then left as it was.
+/// [`ImageError`] if the pixels do not fit the picture's size or the file cannot be written. An
+/// existing file is then left as it was.
 pub fn write_png(path: &Path, image: &ColorImage, display: &Display) -> Result<(), ImageError> {
     ImageError::check_buffer(path, "the colours", image.pixels.len(), image.width, image.height)?;
     let bytes: Vec<u8> = image.pixels.iter().flat_map(|&c| display.srgb8(c)).collect();
@@ -21,11 +21,20 @@ pub fn write_png(path: &Path, image: &ColorImage, display: &Display) -> Result<(
 }
 
 /// Writes `width * height` pixels of 3 bytes (red, green, blue, sRGB), row by row from the top.
-pub(super) fn write_rgb8(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), ImageError> {
+pub(super) fn write_rgb8(
+    path: &Path,
+    width: u32,
+    height: u32,
+    bytes: &[u8],
+) -> Result<(), ImageError> {
     let mut png = Vec::new();
     PngEncoder::new_with_quality(&mut png, CompressionType::Default, FilterType::Adaptive)
         .write_image(bytes, width, height, ExtendedColorType::Rgb8)
-        .map_err(|e| ImageError::Encode { path: path.to_owned(), format: "PNG", reason: e.to_string() })?;
+        .map_err(|e| ImageError::Encode {
+            path: path.to_owned(),
+            format: "PNG",
+            reason: e.to_string(),
+        })?;
     atomic::replace_file(path, &png)
 }
 
@@ -33,7 +42,9 @@ pub(super) fn write_rgb8(path: &Path, width: u32, height: u32, bytes: &[u8]) -> 
 pub(super) fn read_color(path: &Path) -> Result<ColorImage, ImageError> {
     let bytes = read_file(path)?;
     let image = decode(&bytes).map_err(|e| match e {
-        image::ImageError::Unsupported(e) => ImageError::Unsupported { path: path.to_owned(), reason: e.to_string() },
+        image::ImageError::Unsupported(e) => {
+            ImageError::Unsupported { path: path.to_owned(), reason: e.to_string() }
+        }
         e => ImageError::Broken { path: path.to_owned(), format: "PNG", reason: e.to_string() },
     })?;
     let (width, height) = (image.width(), image.height());
@@ -46,7 +57,8 @@ pub(super) fn read_color(path: &Path) -> Result<ColorImage, ImageError> {
 }
 
 fn decode(bytes: &[u8]) -> image::ImageResult<DynamicImage> {
-    // A damaged size must not claim all memory: at most what the default of the crate allows, 512 MiB.
+    // A damaged size must not claim all memory: at most what the default of the crate allows, 512
+    // MiB.
     let mut decoder = PngDecoder::with_limits(Cursor::new(bytes), Limits::default())?;
     decoder.set_limits(Limits::default())?;
     Limits::default().reserve(decoder.total_bytes())?;
@@ -69,7 +81,8 @@ mod tests {
     fn pixels_are_where_they_belong() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let pixels = vec![Vec3::X, Vec3::Y, Vec3::Z, Vec3::splat(0.5), Vec3::ZERO, Vec3::splat(f32::NAN)];
+        let pixels =
+            vec![Vec3::X, Vec3::Y, Vec3::Z, Vec3::splat(0.5), Vec3::ZERO, Vec3::splat(f32::NAN)];
         write_png(&path, &ColorImage { width: 3, height: 2, pixels }, &CLIP).unwrap();
         let file = image::open(&path).unwrap();
         assert_eq!((file.width(), file.height(), file.color()), (3, 2, image::ColorType::Rgb8));
@@ -93,7 +106,11 @@ mod tests {
             for (a, b) in image.pixels.iter().zip(&back.pixels) {
                 assert_eq!(CLIP.srgb8(*a), CLIP.srgb8(*b));
             }
-            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no file but the picture");
+            assert_eq!(
+                std::fs::read_dir(folder.path()).unwrap().count(),
+                1,
+                "no file but the picture"
+            );
         }
     }
 
@@ -104,12 +121,18 @@ mod tests {
         image::GrayImage::from_raw(1, 1, vec![188]).unwrap().save(&path).unwrap();
         assert!((read(&path).unwrap().pixels[0] - 0.503).abs().max_element() < 1e-3);
         image::RgbaImage::from_raw(1, 1, vec![255, 0, 188, 3]).unwrap().save(&path).unwrap();
-        assert!((read(&path).unwrap().pixels[0] - Vec3::new(1.0, 0.0, 0.503)).abs().max_element() < 1e-3);
+        assert!(
+            (read(&path).unwrap().pixels[0] - Vec3::new(1.0, 0.0, 0.503)).abs().max_element()
+                < 1e-3
+        );
         image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(1, 1, vec![65535_u16, 0, 48316])
             .unwrap()
             .save(&path)
             .unwrap();
-        assert!((read(&path).unwrap().pixels[0] - Vec3::new(1.0, 0.0, 0.503)).abs().max_element() < 1e-3);
+        assert!(
+            (read(&path).unwrap().pixels[0] - Vec3::new(1.0, 0.0, 0.503)).abs().max_element()
+                < 1e-3
+        );
     }
 
     #[test]

@@ -22,8 +22,14 @@ enum Layer {
 impl Layer {
     /// All of them; without estimates, those that need none.
     fn all(estimates: bool) -> &'static [Layer] {
-        const ALL: [Layer; 6] =
-            [Layer::Filtered, Layer::Error, Layer::Samples, Layer::Albedo, Layer::Normal, Layer::Depth];
+        const ALL: [Layer; 6] = [
+            Layer::Filtered,
+            Layer::Error,
+            Layer::Samples,
+            Layer::Albedo,
+            Layer::Normal,
+            Layer::Depth,
+        ];
         if estimates { &ALL } else { &ALL[2..] }
     }
 
@@ -41,13 +47,14 @@ impl Layer {
     }
 }
 
-/// The files that [`write_png_layers`] writes for the picture at `path`; `estimates` says whether the film will have any.
+/// The files that [`write_png_layers`] writes for the picture at `path`; `estimates` says whether
+/// the film will have any.
 pub fn png_layer_paths(path: &Path, estimates: bool) -> Vec<PathBuf> {
     Layer::all(estimates).iter().map(|layer| layer.path(path)).collect()
 }
 
-/// Writes the layers of a film as PNGs beside the picture at `path`, and gives their paths ([`png_layer_paths`]). Beside
-/// `picture.png`:
+/// Writes the layers of a film as PNGs beside the picture at `path`, and gives their paths
+/// ([`png_layer_paths`]). Beside `picture.png`:
 ///
 /// | file | |
 /// |---|---|
@@ -58,12 +65,17 @@ pub fn png_layer_paths(path: &Path, estimates: bool) -> Vec<PathBuf> {
 /// | `picture.normal.png` | 0.5 + 0.5 n of the mean shading normal n, its x, y, z as red, green, blue; grey where there is none |
 /// | `picture.depth.png` | mean distance of the first surface from the camera, world units; black where there is none |
 ///
-/// Error, samples and depth are drawn with a legend, as by [`write_color_map`](super::write_color_map).
+/// Error, samples and depth are drawn with a legend, as by
+/// [`write_color_map`](super::write_color_map).
 ///
 /// # Errors
-/// [`ImageError`] if a buffer of the film does not fit its size or a file cannot be written. That file is then left as it
-/// was; of the others, some may have been written.
-pub fn write_png_layers(path: &Path, film: &Film, display: &Display) -> Result<Vec<PathBuf>, ImageError> {
+/// [`ImageError`] if a buffer of the film does not fit its size or a file cannot be written. That
+/// file is then left as it was; of the others, some may have been written.
+pub fn write_png_layers(
+    path: &Path,
+    film: &Film,
+    display: &Display,
+) -> Result<Vec<PathBuf>, ImageError> {
     check_film(path, film)?;
     let layers = Layer::all(film.estimates.is_some());
     layers
@@ -76,17 +88,29 @@ pub fn write_png_layers(path: &Path, film: &Film, display: &Display) -> Result<V
         .collect()
 }
 
-fn write_layer(layer: Layer, path: &Path, film: &Film, display: &Display) -> Result<(), ImageError> {
+fn write_layer(
+    layer: Layer,
+    path: &Path,
+    film: &Film,
+    display: &Display,
+) -> Result<(), ImageError> {
     let (width, height) = (film.width, film.height);
-    let colors = |pixels: Vec<Vec3>, display: &Display| write_png(path, &ColorImage { width, height, pixels }, display);
+    let colors = |pixels: Vec<Vec3>, display: &Display| {
+        write_png(path, &ColorImage { width, height, pixels }, display)
+    };
     let numbers = |values: &[f32], title: &str, zero: Option<&str>| {
         ColorMap { width, height, values, title, range: None, zero }.write(path)
     };
     match layer {
         Layer::Filtered => colors(film.filtered().unwrap_or_default(), display),
         Layer::Error => {
-            let error: Vec<f32> = film.squared_error().unwrap_or_default().into_iter().map(f32::sqrt).collect();
-            numbers(&error, "estimated error of the mean radiance (root of the squared error)", None)
+            let error: Vec<f32> =
+                film.squared_error().unwrap_or_default().into_iter().map(f32::sqrt).collect();
+            numbers(
+                &error,
+                "estimated error of the mean radiance (root of the squared error)",
+                None,
+            )
         }
         Layer::Samples => {
             let counts: Vec<f32> = film.samples().into_iter().map(|n| n as f32).collect();
@@ -96,10 +120,13 @@ fn write_layer(layer: Layer, path: &Path, film: &Film, display: &Display) -> Res
         Layer::Normal => {
             // A byte that is no number becomes 0.
             let byte = |component: f32| ((0.5 + 0.5 * component) * 255.0).round() as u8;
-            let bytes: Vec<u8> = film.normal().iter().flat_map(|n| n.to_array().map(byte)).collect();
+            let bytes: Vec<u8> =
+                film.normal().iter().flat_map(|n| n.to_array().map(byte)).collect();
             write_rgb8(path, width, height, &bytes)
         }
-        Layer::Depth => numbers(&film.depth(), "distance from the camera, world units", Some("no surface")),
+        Layer::Depth => {
+            numbers(&film.depth(), "distance from the camera, world units", Some("no surface"))
+        }
     }
 }
 
@@ -108,13 +135,15 @@ mod tests {
     use super::super::exr_write::tests::{film, film_with_estimates};
     use super::*;
     use image::RgbImage;
-    use raystream_shaders::estimate::Estimate;
-    use raystream_shaders::features::FeaturePixel;
+    use raystream_shaders::estimator::Estimate;
     use raystream_shaders::film::FilmPixel;
+    use raystream_shaders::integrator::first_hits::FeaturePixel;
 
     fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<_> =
-            std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        let mut names: Vec<_> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
         names.sort();
         names
     }
@@ -123,17 +152,24 @@ mod tests {
     fn every_layer_has_a_file_beside_the_picture() {
         for (film, expected) in [
             (film(16, 12), &["albedo", "depth", "normal", "samples"][..]),
-            (film_with_estimates(16, 12), &["albedo", "depth", "error", "filtered", "normal", "samples"]),
+            (
+                film_with_estimates(16, 12),
+                &["albedo", "depth", "error", "filtered", "normal", "samples"],
+            ),
         ] {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("a.b.PNG");
             let written = write_png_layers(&path, &film, &Display::default()).unwrap();
             assert_eq!(written, png_layer_paths(&path, film.estimates.is_some()));
-            let expected: Vec<_> = expected.iter().map(|layer| format!("a.b.{layer}.png")).collect();
+            let expected: Vec<_> =
+                expected.iter().map(|layer| format!("a.b.{layer}.png")).collect();
             assert_eq!(names(folder.path()), expected);
             for path in written {
                 let image = image::open(&path).unwrap();
-                assert!(image.width() == 16 && image.height() == 12 || image.width() == 240 && image.height() > 30);
+                assert!(
+                    image.width() == 16 && image.height() == 12
+                        || image.width() == 240 && image.height() > 30
+                );
             }
         }
     }
@@ -149,7 +185,8 @@ mod tests {
             samples: 4,
             ..Default::default()
         };
-        let estimate = |squared_error| Estimate { filtered: Vec3::new(0.5, 0.0, 1.0), squared_error };
+        let estimate =
+            |squared_error| Estimate { filtered: Vec3::new(0.5, 0.0, 1.0), squared_error };
         Film {
             width: 2,
             height: 1,
@@ -166,10 +203,12 @@ mod tests {
         let display = Display { exposure: 0.0, tone_map: ToneMap::Clip };
         write_png_layers(&path, &two_pixels(), &display).unwrap();
         let pixels = |layer: &str| {
-            let image: RgbImage = image::open(folder.path().join(format!("a.{layer}.png"))).unwrap().into_rgb8();
+            let image: RgbImage =
+                image::open(folder.path().join(format!("a.{layer}.png"))).unwrap().into_rgb8();
             [0, 1].map(|x| image.get_pixel(x, 0).0)
         };
-        let (dark, middle, bright) = ([68, 1, 84], colorous::VIRIDIS.eval_continuous(0.5).as_array(), [253, 231, 37]);
+        let (dark, middle, bright) =
+            ([68, 1, 84], colorous::VIRIDIS.eval_continuous(0.5).as_array(), [253, 231, 37]);
         assert_eq!(pixels("filtered"), [[188, 0, 255]; 2]);
         assert_eq!(pixels("error"), [middle, [255, 0, 255]]);
         assert_eq!(pixels("samples"), [bright, dark]);

@@ -20,9 +20,11 @@ impl Scale {
         Self { low, high, logarithmic: low > 0.0 && high > 10.0 * low }
     }
 
-    /// The scale of the finite ones of `values`, none if there are none. Zeros do not keep it from being logarithmic.
+    /// The scale of the finite ones of `values`, none if there are none. Zeros do not keep it from
+    /// being logarithmic.
     pub fn of(values: impl Iterator<Item = f32>) -> Option<Self> {
-        let (mut low, mut lowest_positive, mut high) = (f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY);
+        let (mut low, mut lowest_positive, mut high) =
+            (f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY);
         for value in values.filter(|v| v.is_finite()).map(f64::from) {
             (low, high) = (low.min(value), high.max(value));
             if value > 0.0 {
@@ -33,10 +35,15 @@ impl Scale {
             return None;
         }
         let positive = Self::new(lowest_positive.max(high * 10_f64.powi(-MAX_DECADES)), high);
-        Some(if low >= 0.0 && positive.logarithmic { positive } else { Self { low, high, logarithmic: false } })
+        Some(if low >= 0.0 && positive.logarithmic {
+            positive
+        } else {
+            Self { low, high, logarithmic: false }
+        })
     }
 
-    /// Where a number lies: 0 at (and below) the low end, 1 at (and above) the high one; 1/2 where they are one.
+    /// Where a number lies: 0 at (and below) the low end, 1 at (and above) the high one; 1/2 where
+    /// they are one.
     pub fn position(&self, value: f64) -> f64 {
         if self.low == self.high {
             return 0.5;
@@ -79,8 +86,11 @@ impl Scale {
 
     fn logarithmic_sets(&self) -> Vec<Vec<f64>> {
         let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
-        let fine = decades.clone().flat_map(|k| [1.0, 2.0, 5.0].map(|m| m * 10_f64.powi(k))).collect();
-        let every = |step: i32| decades.clone().filter(|k| k.rem_euclid(step) == 0).map(|k| 10_f64.powi(k)).collect();
+        let fine =
+            decades.clone().flat_map(|k| [1.0, 2.0, 5.0].map(|m| m * 10_f64.powi(k))).collect();
+        let every = |step: i32| {
+            decades.clone().filter(|k| k.rem_euclid(step) == 0).map(|k| 10_f64.powi(k)).collect()
+        };
         std::iter::once(fine).chain((1..=decades.end() - decades.start()).map(every)).collect()
     }
 }
@@ -89,7 +99,8 @@ impl Scale {
 pub(super) fn labels(numbers: &[f64]) -> Vec<String> {
     // A f32 has no more digits.
     const DIGITS: std::ops::RangeInclusive<usize> = 3..=9;
-    let with = |digits: usize| -> Vec<String> { numbers.iter().map(|&n| label(n, digits)).collect() };
+    let with =
+        |digits: usize| -> Vec<String> { numbers.iter().map(|&n| label(n, digits)).collect() };
     DIGITS
         .map(with)
         .find(|labels| labels.iter().enumerate().all(|(i, label)| !labels[..i].contains(label)))
@@ -127,12 +138,30 @@ mod tests {
     #[test]
     fn more_than_a_decade_is_logarithmic() {
         let scale = |values: &[f32]| Scale::of(values.iter().copied());
-        assert_eq!(scale(&[3.0, 1.0, 10.0]), Some(Scale { low: 1.0, high: 10.0, logarithmic: false }));
-        assert_eq!(scale(&[3.0, 1.0, 11.0]), Some(Scale { low: 1.0, high: 11.0, logarithmic: true }));
-        assert_eq!(scale(&[0.0, 2.0, 64.0]), Some(Scale { low: 2.0, high: 64.0, logarithmic: true }));
-        assert_eq!(scale(&[0.0, 2.0, 5.0]), Some(Scale { low: 0.0, high: 5.0, logarithmic: false }));
-        assert_eq!(scale(&[-1.0, 1.0, 64.0]), Some(Scale { low: -1.0, high: 64.0, logarithmic: false }));
-        assert_eq!(scale(&[f32::NAN, 7.0, f32::INFINITY]), Some(Scale { low: 7.0, high: 7.0, logarithmic: false }));
+        assert_eq!(
+            scale(&[3.0, 1.0, 10.0]),
+            Some(Scale { low: 1.0, high: 10.0, logarithmic: false })
+        );
+        assert_eq!(
+            scale(&[3.0, 1.0, 11.0]),
+            Some(Scale { low: 1.0, high: 11.0, logarithmic: true })
+        );
+        assert_eq!(
+            scale(&[0.0, 2.0, 64.0]),
+            Some(Scale { low: 2.0, high: 64.0, logarithmic: true })
+        );
+        assert_eq!(
+            scale(&[0.0, 2.0, 5.0]),
+            Some(Scale { low: 0.0, high: 5.0, logarithmic: false })
+        );
+        assert_eq!(
+            scale(&[-1.0, 1.0, 64.0]),
+            Some(Scale { low: -1.0, high: 64.0, logarithmic: false })
+        );
+        assert_eq!(
+            scale(&[f32::NAN, 7.0, f32::INFINITY]),
+            Some(Scale { low: 7.0, high: 7.0, logarithmic: false })
+        );
         assert_eq!(scale(&[f32::NAN, f32::NEG_INFINITY]), None);
         assert_eq!(scale(&[]), None);
         let far = scale(&[1e-30, 1.0]).unwrap();
@@ -142,11 +171,20 @@ mod tests {
     #[test]
     fn positions_along_the_scale() {
         let linear = Scale::new(2.0, 6.0);
-        assert_eq!([1.0, 2.0, 3.0, 6.0, 9.0].map(|v| linear.position(v)), [0.0, 0.0, 0.25, 1.0, 1.0]);
+        assert_eq!(
+            [1.0, 2.0, 3.0, 6.0, 9.0].map(|v| linear.position(v)),
+            [0.0, 0.0, 0.25, 1.0, 1.0]
+        );
         let decades = Scale::new(0.01, 100.0);
-        for (value, position) in
-            [(-1.0, 0.0), (0.0, 0.0), (0.01, 0.0), (0.1, 0.25), (1.0, 0.5), (100.0, 1.0), (1e9, 1.0)]
-        {
+        for (value, position) in [
+            (-1.0, 0.0),
+            (0.0, 0.0),
+            (0.01, 0.0),
+            (0.1, 0.25),
+            (1.0, 0.5),
+            (100.0, 1.0),
+            (1e9, 1.0),
+        ] {
             assert!((decades.position(value) - position).abs() < 1e-12, "{value}");
         }
         assert_eq!(Scale::new(3.0, 3.0).position(3.0), 0.5);
@@ -156,21 +194,29 @@ mod tests {
 
     #[test]
     fn ticks_are_round_ordered_and_within() {
-        let f32s = [1e-45, 1e-30, 0.3, 1.0, 16_777_215.0, 16_777_216.0, 3e38].map(|v: f32| f64::from(v));
+        let f32s =
+            [1e-45, 1e-30, 0.3, 1.0, 16_777_215.0, 16_777_216.0, 3e38].map(|v: f32| f64::from(v));
         for low in f32s.iter().flat_map(|&v| [-v, 0.0, v]) {
             for high in f32s.iter().flat_map(|&v| [-v, 0.0, v]).filter(|&high| high >= low) {
                 let sets = Scale::new(low, high).tick_sets();
                 assert_eq!(sets.last(), Some(&Vec::new()));
                 for set in sets {
                     assert!(set.len() <= 300, "{} ticks from {low} to {high}", set.len());
-                    assert!(set.iter().all(|&t| t > low && t < high) && set.is_sorted(), "{low} to {high}: {set:?}");
+                    assert!(
+                        set.iter().all(|&t| t > low && t < high) && set.is_sorted(),
+                        "{low} to {high}: {set:?}"
+                    );
                 }
             }
         }
         assert!(Scale::new(0.0, 5.0).tick_sets().contains(&vec![1.0, 2.0, 3.0, 4.0]));
         assert!(Scale::new(3.0, 2000.0).tick_sets().contains(&vec![10.0, 100.0, 1000.0]));
         let rounded = Scale::new(1e-6_f32.into(), 0.01_f32.into());
-        assert!(rounded.tick_sets().contains(&vec![10_f64.powi(-5), 10_f64.powi(-4), 10_f64.powi(-3)]));
+        assert!(rounded.tick_sets().contains(&vec![
+            10_f64.powi(-5),
+            10_f64.powi(-4),
+            10_f64.powi(-3)
+        ]));
         assert!(Scale::new(3.0, 40.0).tick_sets().contains(&vec![5.0, 10.0, 20.0]));
     }
 

@@ -24,8 +24,8 @@ pub enum ToneMap {
 }
 
 impl Display {
-    /// The sRGB bytes of a linear Rec.709 colour. Not a number and negative components become 0, infinite ones
-    /// as bright as can be.
+    /// The sRGB bytes of a linear Rec.709 colour. Not a number and negative components become 0,
+    /// infinite ones as bright as can be.
     pub fn srgb8(&self, linear: Vec3) -> [u8; 3] {
         // Finite, so that neither the scale nor the tone map can make a NaN of it.
         let scale = self.exposure.exp2().min(MAX);
@@ -118,7 +118,8 @@ mod tests {
             last = c.x;
         }
         // A bright red stays red at first and is nearly white in the end.
-        let (bright, blinding) = (soft(Vec3::new(2.0, 0.2, 0.2)), soft(Vec3::new(2000.0, 200.0, 200.0)));
+        let (bright, blinding) =
+            (soft(Vec3::new(2.0, 0.2, 0.2)), soft(Vec3::new(2000.0, 200.0, 200.0)));
         assert!(bright.x > 2.0 * bright.y && blinding.y > 0.95, "{bright} {blinding}");
         assert_eq!(bright.y, bright.z);
     }

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-/// A batch should take this long: short enough for every watchdog (some drivers end a dispatch after 2 s) and for a progress
-/// bar, long enough to hide the round trip to the device.
+/// A batch should take this long: short enough for every watchdog (some drivers end a dispatch
+/// after 2 s) and for a progress bar, long enough to hide the round trip to the device.
 const TARGET: Duration = Duration::from_millis(100);
 /// Where an unknown device starts.
 const FIRST: u32 = 1 << 14;
@@ -26,8 +26,8 @@ impl BatchSize {
         self.slots
     }
 
-    /// Learns from a batch of `slots` that took `elapsed`. Grows at most eightfold at a time, since a first batch may be of
-    /// cheap pixels.
+    /// Learns from a batch of `slots` that took `elapsed`. Grows at most eightfold at a time, since
+    /// a first batch may be of cheap pixels.
     pub fn record(&mut self, slots: u32, elapsed: Duration) {
         let wanted = f64::from(slots) * TARGET.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
         let next = wanted.min(f64::from(self.slots) * 8.0).max(1.0);

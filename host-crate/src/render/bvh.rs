@@ -5,8 +5,8 @@ use glam::{UVec4, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
-use raystream_shaders::bvh::{MAX_DEPTH, ROWS_PER_NODE};
-use raystream_shaders::triangle::Triangle;
+use raystream_shaders::scene::bvh::{MAX_DEPTH, ROWS_PER_NODE};
+use raystream_shaders::scene::triangle::Triangle;
 use std::time::Duration;
 
 /// How long to build for how fast a traversal.
@@ -23,7 +23,8 @@ pub enum BvhQuality {
 pub struct Bvh {
     /// [`ROWS_PER_NODE`] rows for each node; at least the root.
     pub nodes: Vec<UVec4>,
-    /// Where each leaf entry comes from: index into the triangles that were given. Splits repeat some.
+    /// Where each leaf entry comes from: index into the triangles that were given. Splits repeat
+    /// some.
     pub order: Vec<u32>,
 }
 
@@ -61,7 +62,9 @@ fn depth(bvh: &CwBvh) -> u32 {
         deepest = deepest.max(depth);
         let node = &bvh.nodes[index as usize];
         let children = node.imask.count_ones();
-        pending.extend((node.child_base_idx..node.child_base_idx + children).map(|child| (child, depth + 1)));
+        pending.extend(
+            (node.child_base_idx..node.child_base_idx + children).map(|child| (child, depth + 1)),
+        );
     }
     deepest
 }

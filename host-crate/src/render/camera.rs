@@ -2,9 +2,10 @@
 
 use crate::scene::{CameraSettings, FilmSize};
 use glam::DVec3;
-use raystream_shaders::camera::Camera;
+use raystream_shaders::scene::camera::Camera;
 
-/// The camera for a picture of `size`. Right-handed, square pixels; `fov_y` spans the picture's height.
+/// The camera for a picture of `size`. Right-handed, square pixels; `fov_y` spans the picture's
+/// height.
 pub fn camera(settings: &CameraSettings, size: FilmSize) -> Camera {
     let origin = settings.origin.as_dvec3();
     let forward = (settings.target.as_dvec3() - origin).normalize();
@@ -32,7 +33,8 @@ mod tests {
 
     #[test]
     fn the_middle_of_the_picture_is_the_target_and_the_top_is_up() {
-        let settings = CameraSettings { origin: Vec3::ZERO, target: Vec3::NEG_Z, up: Vec3::Y, fov_y: 90.0 };
+        let settings =
+            CameraSettings { origin: Vec3::ZERO, target: Vec3::NEG_Z, up: Vec3::Y, fov_y: 90.0 };
         let camera = camera(&settings, FilmSize { width: 200, height: 100 });
         let close = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-6, "{a} {b}");
         close(camera.ray(100, 50, [0.0, 0.0]).direction, Vec3::NEG_Z);

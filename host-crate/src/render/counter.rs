@@ -1,7 +1,7 @@
 //! A counter that lanes raise by atomics.
 
 use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
-use raystream_shaders::stream::RunWindow;
+use raystream_shaders::film::stream::RunWindow;
 
 /// A word on the device.
 pub struct Counter<B> {
@@ -10,7 +10,10 @@ pub struct Counter<B> {
 
 impl<B> Counter<B> {
     /// A new one, at 0. `label` names it in errors.
-    pub fn new<E: Executor<Buffer = B>>(executor: &E, label: &'static str) -> Result<Self, ExecError> {
+    pub fn new<E: Executor<Buffer = B>>(
+        executor: &E,
+        label: &'static str,
+    ) -> Result<Self, ExecError> {
         Ok(Self { word: Array::zeroed(executor, label, 1)? })
     }
 

@@ -5,26 +5,28 @@
 pub struct EstimationSettings {
     /// The filter of the estimator `bilateral`.
     pub filter: FilterSettings,
-    /// Whether `halves` and `variance` average squared errors over 3x3 pixels: the variance of a few samples is itself very
-    /// uncertain, and 0 where a rare bright path is still to be found.
+    /// Whether `halves` and `variance` average squared errors over 3x3 pixels: the variance of a
+    /// few samples is itself very uncertain, and 0 where a rare bright path is still to be found.
     pub smooth: bool,
 }
 
 /// A joint bilateral filter: weights are products of Gaussians, each with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSettings {
-    /// Neighbours that the filter sees to each side; it takes `(2 radius + 1)^2` reads a pixel. The Gaussian of pixel distance has the standard
-    /// deviation `radius / 2`. 0 filters nothing.
+    /// Neighbours that the filter sees to each side; it takes `(2 radius + 1)^2` reads a pixel. The
+    /// Gaussian of pixel distance has the standard deviation `radius / 2`. 0 filters nothing.
     pub radius: u32,
-    /// Standard deviation of world distance, in units of what `radius` pixels cover on the surface; above 0. Thus a flat wall is
-    /// filtered alike at any distance, and edges in depth are what is deep beside what a pixel covers.
+    /// Standard deviation of world distance, in units of what `radius` pixels cover on the surface;
+    /// above 0. Thus a flat wall is filtered alike at any distance, and edges in depth are what is
+    /// deep beside what a pixel covers.
     pub position_sigma: f32,
     /// Standard deviation of the difference of unit normals, about an angle in radians; above 0.
     pub normal_sigma: f32,
     /// Standard deviation of the difference of albedos, as vectors of RGB; above 0.
     pub albedo_sigma: f32,
-    /// Whether differences of colour beyond the noise of both pixels count as edges, of shadows for one, and noise that the filter leaves is made up for by
-    /// the variance. Without it the filter is that of Podee et al.
+    /// Whether differences of colour beyond the noise of both pixels count as edges, of shadows for
+    /// one, and noise that the filter leaves is made up for by the variance. Without it the filter
+    /// is that of Podee et al.
     pub color: bool,
 }
 

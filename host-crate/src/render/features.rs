@@ -3,8 +3,8 @@
 use super::SceneBuffers;
 use super::film::Band;
 use crate::exec::{Launch, kernels};
-use raystream_shaders::features::FeatureParams;
-use raystream_shaders::path::PathParams;
+use raystream_shaders::integrator::first_hits::FeatureParams;
+use raystream_shaders::integrator::path::PathParams;
 use std::ops::Range;
 
 /// Camera rays for the first-hit features of the pixels of a window, until each has `samples`.

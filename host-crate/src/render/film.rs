@@ -4,12 +4,13 @@ use crate::exec::{Array, ExecError, Executor};
 use crate::film::Film;
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
-use raystream_shaders::features::FeaturePixel;
 use raystream_shaders::film::FilmPixel;
-use raystream_shaders::tiles::{TILE, pixel_of_rank};
+use raystream_shaders::film::tiles::{TILE, pixel_of_rank};
+use raystream_shaders::integrator::first_hits::FeaturePixel;
 use std::ops::Range;
 
-/// Windows of the film start at multiples of this: its bytes are then a multiple of any device's alignment.
+/// Windows of the film start at multiples of this: its bytes are then a multiple of any device's
+/// alignment.
 pub const WINDOW_ALIGNMENT: u32 = TILE * TILE;
 
 /// The film, in rank order, cut into as many bands as the device's limit on buffers asks for.
@@ -33,13 +34,16 @@ impl<B> FilmBuffers<B> {
     pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
         let pixels = size.width * size.height;
         debug_assert!(
-            [size_of::<FilmPixel>(), size_of::<FeaturePixel>()]
-                .iter()
-                .all(|&size| (u64::from(WINDOW_ALIGNMENT) * size as u64).is_multiple_of(executor.limits().alignment)),
+            [size_of::<FilmPixel>(), size_of::<FeaturePixel>()].iter().all(|&size| (u64::from(
+                WINDOW_ALIGNMENT
+            ) * size
+                as u64)
+                .is_multiple_of(executor.limits().alignment)),
             "windows start where a view may"
         );
         let largest = size_of::<FilmPixel>().max(size_of::<FeaturePixel>()) as u64;
-        let fitting = (executor.limits().buffer_bytes / largest).min(u64::from(u32::MAX / 2)) as u32;
+        let fitting =
+            (executor.limits().buffer_bytes / largest).min(u64::from(u32::MAX / 2)) as u32;
         let band_pixels = (fitting / WINDOW_ALIGNMENT * WINDOW_ALIGNMENT).max(WINDOW_ALIGNMENT);
         let bands = (0..pixels)
             .step_by(band_pixels as usize)
@@ -56,7 +60,10 @@ impl<B> FilmBuffers<B> {
     }
 
     /// A copy of `film`.
-    pub fn from_film<E: Executor<Buffer = B>>(executor: &E, film: &Film) -> Result<Self, ExecError> {
+    pub fn from_film<E: Executor<Buffer = B>>(
+        executor: &E,
+        film: &Film,
+    ) -> Result<Self, ExecError> {
         let (width, height) = (film.width, film.height);
         let buffers = Self::new(executor, FilmSize { width, height })?;
         for band in &buffers.bands {
@@ -64,7 +71,8 @@ impl<B> FilmBuffers<B> {
                 let (x, y) = pixel_of_rank(rank, width, height);
                 (y * width + x) as usize
             });
-            let (radiance, features): (Vec<_>, Vec<_>) = rows.map(|p| (film.radiance[p], film.features[p])).unzip();
+            let (radiance, features): (Vec<_>, Vec<_>) =
+                rows.map(|p| (film.radiance[p], film.features[p])).unzip();
             band.film.write(executor, &radiance)?;
             band.features.write(executor, &features)?;
         }
@@ -86,7 +94,8 @@ impl<B> FilmBuffers<B> {
         self.bands.iter().filter_map(|band| {
             let end = band.first_rank + band.film.len() as u32;
             let range = ranks.start.max(band.first_rank)..ranks.end.min(end);
-            (!range.is_empty()).then(|| (band, range.start - band.first_rank..range.end - band.first_rank))
+            (!range.is_empty())
+                .then(|| (band, range.start - band.first_rank..range.end - band.first_rank))
         })
     }
 
@@ -114,8 +123,8 @@ impl<B> FilmBuffers<B> {
 }
 
 impl<B> Band<B> {
-    /// The window of at most `pixels` (rounded to [`WINDOW_ALIGNMENT`], at least that) that starts at `start`, as a range within the
-    /// band; none at its end.
+    /// The window of at most `pixels` (rounded to [`WINDOW_ALIGNMENT`], at least that) that starts
+    /// at `start`, as a range within the band; none at its end.
     pub fn window(&self, start: u32, pixels: u32) -> Option<Range<u32>> {
         let len = self.film.len() as u32;
         let step = (pixels / WINDOW_ALIGNMENT).max(1) * WINDOW_ALIGNMENT;

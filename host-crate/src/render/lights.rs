@@ -1,8 +1,8 @@
 //! The table of emissive triangles and their choice by power.
 
-use raystream_shaders::light::{Light, area_pdf, importance};
-use raystream_shaders::material::Material;
-use raystream_shaders::triangle::Triangle;
+use raystream_shaders::scene::bsdf::Material;
+use raystream_shaders::scene::light::{Light, area_pdf, importance};
+use raystream_shaders::scene::triangle::Triangle;
 
 /// The lights of a scene.
 pub struct Lights {
@@ -19,8 +19,10 @@ pub fn build(triangles: &[Triangle], materials: &[Material]) -> Lights {
         .map(|t| (t, &materials[t.material as usize]))
         .filter(|(_, material)| material.emits())
         .collect();
-    let weights: Vec<f64> =
-        emissive.iter().map(|(t, material)| area(t) * f64::from(importance(material.emission))).collect();
+    let weights: Vec<f64> = emissive
+        .iter()
+        .map(|(t, material)| area(t) * f64::from(importance(material.emission)))
+        .collect();
     let total_importance = weights.iter().sum::<f64>();
     let columns = alias_table(&weights);
     let table = emissive
@@ -44,14 +46,16 @@ fn area(triangle: &Triangle) -> f64 {
     0.5 * triangle.edge1.as_dvec3().cross(triangle.edge2.as_dvec3()).length()
 }
 
-/// Columns (threshold out of 2^24, alias) that choose in proportion to `weights`: Vose, "A Linear Algorithm for Generating
-/// Random Numbers with a Given Distribution", IEEE TSE 17(9), 1991.
+/// Columns (threshold out of 2^24, alias) that choose in proportion to `weights`: Vose, "A Linear
+/// Algorithm for Generating Random Numbers with a Given Distribution", IEEE TSE 17(9), 1991.
 fn alias_table(weights: &[f64]) -> Vec<(u32, u32)> {
     const ONE: f64 = 16_777_216.0;
     let total: f64 = weights.iter().sum();
     let mut share: Vec<f64> = weights.iter().map(|w| w / total * weights.len() as f64).collect();
-    let mut columns: Vec<(u32, u32)> = (0..weights.len() as u32).map(|own| (ONE as u32, own)).collect();
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..share.len()).partition(|&i| share[i] < 1.0);
+    let mut columns: Vec<(u32, u32)> =
+        (0..weights.len() as u32).map(|own| (ONE as u32, own)).collect();
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) =
+        (0..share.len()).partition(|&i| share[i] < 1.0);
     while let (Some(poor), Some(&rich)) = (small.pop(), large.last()) {
         columns[poor] = ((share[poor] * ONE).round() as u32, rich as u32);
         share[rich] -= 1.0 - share[poor];
@@ -66,7 +70,7 @@ fn alias_table(weights: &[f64]) -> Vec<(u32, u32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raystream_shaders::light::LightView;
+    use raystream_shaders::scene::light::LightView;
 
     #[test]
     fn lights_are_chosen_in_proportion_to_their_weights() {
@@ -76,7 +80,8 @@ mod tests {
             .map(|(threshold, alias)| Light { threshold, alias, ..Default::default() })
             .collect();
         let view = LightView::new(&lights, lights.len() as u32);
-        // A regular grid of 2^20 numbers, so that the counts are within the number of column ends of the exact ones.
+        // A regular grid of 2^20 numbers, so that the counts are within the number of column ends
+        // of the exact ones.
         let mut counts = [0_u32; 7];
         for k in 0..1_u32 << 20 {
             counts[view.choose(k << 12 | 0x800) as usize] += 1;

@@ -1,7 +1,8 @@
 //! From a scene and a device to a film.
 //!
-//! [`prepare`] turns a scene into the buffers that the kernels read; [`Renderer`] owns them, the film and the sample stream, and
-//! renders round by round; [`run`](run::run) is the loop with its stops (samples, time, interruption).
+//! [`prepare`] turns a scene into the buffers that the kernels read; [`Renderer`] owns them, the
+//! film and the sample stream, and renders round by round; [`run`](run::run) is the loop with its
+//! stops (samples, time, interruption).
 
 pub mod allocator;
 mod batch;

@@ -5,17 +5,18 @@ use super::bvh::{self, BvhQuality};
 use super::{lights, triangles};
 use crate::scene::{CameraSettings, PathLimits, Scene};
 use glam::UVec4;
-use raystream_shaders::light::Light;
-use raystream_shaders::material::Material;
-use raystream_shaders::surface::Attributes;
+use raystream_shaders::scene::bsdf::Material;
+use raystream_shaders::scene::light::Light;
+use raystream_shaders::scene::triangle::Attributes;
 
 /// A scene, ready to be copied to a device.
 pub struct PreparedScene {
-    /// Nodes of the BVH, see [`raystream_shaders::bvh`].
+    /// Nodes of the BVH, see [`raystream_shaders::scene::bvh`].
     pub nodes: Vec<UVec4>,
-    /// Triangles in the order of the leaves, see [`raystream_shaders::triangle`].
+    /// Triangles in the order of the leaves, see [`raystream_shaders::scene::triangle`].
     pub triangles: Vec<UVec4>,
-    /// For each triangle in that order, its index in the scene. Triangles that were split appear several times.
+    /// For each triangle in that order, its index in the scene. Triangles that were split appear
+    /// several times.
     pub scene_triangles: Vec<u32>,
     /// Corner normals and texture coordinates.
     pub attributes: Vec<Attributes>,

@@ -12,9 +12,9 @@ use super::{AllocatorKind, PreparedScene, Sampling, SceneBuffers};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::film::Film;
 use bytemuck::Zeroable;
-use raystream_shaders::features::FEATURE_SAMPLES;
-use raystream_shaders::film::CountParams;
-use raystream_shaders::sampler::hash;
+use raystream_shaders::film::accumulate::CountParams;
+use raystream_shaders::integrator::first_hits::FEATURE_SAMPLES;
+use raystream_shaders::math::random::hash;
 
 /// A scene, a film and a sample stream on a device.
 pub struct Renderer<'e, E: Executor> {
@@ -25,11 +25,13 @@ pub struct Renderer<'e, E: Executor> {
     adaptive: Option<Box<dyn Allocator<E>>>,
     /// There is one where errors are asked for: by an allocator or by [`Sampling::noise`].
     estimation: Option<Estimation<E::Buffer>>,
-    /// Whether the errors are those of the film as it is: a round, better features or another mean radiance change them.
+    /// Whether the errors are those of the film as it is: a round, better features or another mean
+    /// radiance change them.
     estimated: bool,
     /// What the uniform allocator, which does not look, is given as errors.
     no_errors: Array<E::Buffer, f32>,
-    /// Mean radiance of the picture as the first round saw it: what relative errors are relative to must not change under way.
+    /// Mean radiance of the picture as the first round saw it: what relative errors are relative to
+    /// must not change under way.
     mean_radiance: Option<f32>,
     batch: BatchSize,
     ray_counts: Array<E::Buffer, u32>,
@@ -51,21 +53,39 @@ const COUNTERS: u32 = 4096;
 
 impl<'e, E: Executor> Renderer<'e, E> {
     /// Copies the scene to the device and clears the film.
-    pub fn new(executor: &'e E, scene: &PreparedScene, settings: &Settings) -> Result<Self, ExecError> {
+    pub fn new(
+        executor: &'e E,
+        scene: &PreparedScene,
+        settings: &Settings,
+    ) -> Result<Self, ExecError> {
         let scene_buffers = SceneBuffers::new(executor, scene)?;
         let film = FilmBuffers::new(executor, settings.size)?;
         let (slots, contributions) = allocate_stream(executor)?;
         let parameters = scene.parameters(settings);
-        let context = IntegratorContext { executor, scene: &scene_buffers, parameters: &parameters, settings };
+        let context = IntegratorContext {
+            executor,
+            scene: &scene_buffers,
+            parameters: &parameters,
+            settings,
+        };
         let integrator = integrator::create(&context, slots.len() as u32)?;
         let sampling = settings.sampling;
         let is_uniform = sampling.allocator == AllocatorKind::Uniform;
-        let adaptive = (!is_uniform).then(|| allocator::create(sampling.allocator, executor, film.pixels()));
+        let adaptive =
+            (!is_uniform).then(|| allocator::create(sampling.allocator, executor, film.pixels()));
         let estimates = !is_uniform || sampling.noise.is_some();
         let estimation = estimates.then(|| Estimation::new(executor, settings.size));
         Ok(Self {
             batch: BatchSize::new(slots.len() as u32),
-            stage: Stage { integrator, executor, scene: scene_buffers, film, parameters, slots, contributions },
+            stage: Stage {
+                integrator,
+                executor,
+                scene: scene_buffers,
+                film,
+                parameters,
+                slots,
+                contributions,
+            },
             sampling,
             uniform: Uniform::new(executor)?,
             adaptive: adaptive.transpose()?,
@@ -92,48 +112,79 @@ impl<'e, E: Executor> Renderer<'e, E> {
         self.paths
     }
 
-    /// Renders the next round, of at most `paths_left` paths (but always one sample of each pixel first): uniform ones until every pixel has
-    /// [`Sampling::initial_samples`], then what the allocator makes of the errors. `after_batch` is called with the number of paths that
-    /// each batch has traced.
-    pub fn step(&mut self, paths_left: u64, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
+    /// Renders the next round, of at most `paths_left` paths (but always one sample of each pixel
+    /// first): uniform ones until every pixel has [`Sampling::initial_samples`], then what the
+    /// allocator makes of the errors. `after_batch` is called with the number of paths that each
+    /// batch has traced.
+    pub fn step(
+        &mut self,
+        paths_left: u64,
+        after_batch: &mut dyn FnMut(u32),
+    ) -> Result<Timings, ExecError> {
         let pixels = u64::from(self.pixels());
         let samples_left = (paths_left / pixels).clamp(1, u64::from(u32::MAX)) as u32;
         let samples_left = samples_left.min(self.samples_of_cache());
         if self.adaptive.is_none() {
             // Where the length of rounds shows in the film, it must not follow from time.
             let one_batch = (u64::from(self.batch.slots()) / pixels).max(1) as u32;
-            let samples = if self.samples_of_cache() < u32::MAX { samples_left } else { one_batch.min(samples_left) };
+            let samples = if self.samples_of_cache() < u32::MAX {
+                samples_left
+            } else {
+                one_batch.min(samples_left)
+            };
             return self.round(samples, after_batch);
         }
         let samples = (self.paths / pixels) as u32;
         if samples < self.sampling.initial_samples {
-            return self.round((self.sampling.initial_samples - samples).min(samples_left), after_batch);
+            return self
+                .round((self.sampling.initial_samples - samples).min(samples_left), after_batch);
         }
         self.adaptive_round(paths_left, after_batch)
     }
 
-    /// Gives every pixel `samples` more samples, in one round of as many batches as it takes. How samples are cut into rounds changes the film with the integrator `lvc`
-    /// alone, whose light paths are those of the round. `after_batch` is called with the number of paths that
-    /// each has traced.
-    pub fn round(&mut self, samples: u32, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
+    /// Gives every pixel `samples` more samples, in one round of as many batches as it takes. How
+    /// samples are cut into rounds changes the film with the integrator `lvc` alone, whose light
+    /// paths are those of the round. `after_batch` is called with the number of paths that each has
+    /// traced.
+    pub fn round(
+        &mut self,
+        samples: u32,
+        after_batch: &mut dyn FnMut(u32),
+    ) -> Result<Timings, ExecError> {
         let paths = u64::from(samples) * u64::from(self.pixels());
-        let round = Round { paths, number: self.rounds, salt: 0, errors: &self.no_errors, prelude: Parts::default() };
-        let (paths, timings) = self.stage.round(&self.uniform, round, &mut self.batch, after_batch)?;
+        let round = Round {
+            paths,
+            number: self.rounds,
+            salt: 0,
+            errors: &self.no_errors,
+            prelude: Parts::default(),
+        };
+        let (paths, timings) =
+            self.stage.round(&self.uniform, round, &mut self.batch, after_batch)?;
         self.estimated = false;
         self.rounds += 1;
         self.paths += paths;
         Ok(timings)
     }
 
-    fn adaptive_round(&mut self, paths_left: u64, after_batch: &mut dyn FnMut(u32)) -> Result<Timings, ExecError> {
+    fn adaptive_round(
+        &mut self,
+        paths_left: u64,
+        after_batch: &mut dyn FnMut(u32),
+    ) -> Result<Timings, ExecError> {
         let mut timings = self.measure_mean_radiance()?;
-        let (Some(adaptive), Some(estimation)) = (&self.adaptive, &self.estimation) else { return Ok(timings) };
+        let (Some(adaptive), Some(estimation)) = (&self.adaptive, &self.estimation) else {
+            return Ok(timings);
+        };
         let prelude = self.estimate();
-        let paths = ((self.samples_of_round() * f64::from(self.pixels())) as u64).clamp(1, paths_left);
+        let paths =
+            ((self.samples_of_round() * f64::from(self.pixels())) as u64).clamp(1, paths_left);
         let salt = hash(self.seed ^ hash(self.rounds));
-        let round = Round { paths, number: self.rounds, salt, errors: estimation.errors(), prelude };
+        let round =
+            Round { paths, number: self.rounds, salt, errors: estimation.errors(), prelude };
         let mut batch = self.batch;
-        let (paths, of_round) = self.stage.round(adaptive.as_ref(), round, &mut batch, after_batch)?;
+        let (paths, of_round) =
+            self.stage.round(adaptive.as_ref(), round, &mut batch, after_batch)?;
         timings += of_round;
         self.feature_samples = self.wanted_feature_samples(FILTER_FEATURE_SAMPLES);
         self.batch = batch;
@@ -143,30 +194,38 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(timings)
     }
 
-    /// Samples of each pixel that may share light paths, those of a round, at most; nothing where all samples are independent of each other.
+    /// Samples of each pixel that may share light paths, those of a round, at most; nothing where
+    /// all samples are independent of each other.
     pub fn samples_that_share(&self) -> Option<u32> {
         Some(self.samples_of_cache()).filter(|&samples| samples < u32::MAX)
     }
 
-    /// Samples of each pixel in a round, at most, by [`Integrator::slots_of_round`](integrator::Integrator::slots_of_round).
+    /// Samples of each pixel in a round, at most, by
+    /// [`Integrator::slots_of_round`](integrator::Integrator::slots_of_round).
     fn samples_of_cache(&self) -> u32 {
-        (self.stage.integrator.slots_of_round() / u64::from(self.pixels())).clamp(1, u64::from(u32::MAX)) as u32
+        (self.stage.integrator.slots_of_round() / u64::from(self.pixels()))
+            .clamp(1, u64::from(u32::MAX)) as u32
     }
 
     /// Samples of the coming round, on average over the pixels.
     fn samples_of_round(&self) -> f64 {
         let pixels = f64::from(self.pixels());
-        let largest = (self.stage.slots.len() as f64 / pixels).min(f64::from(self.samples_of_cache()));
+        let largest =
+            (self.stage.slots.len() as f64 / pixels).min(f64::from(self.samples_of_cache()));
         self.sampling.samples_of_round(self.paths as f64 / pixels).min(largest)
     }
 
-    /// Launches that bring the features up to date and estimate the errors as they are, for the coming round, unless that has been done; nothing where
-    /// errors are not estimated.
+    /// Launches that bring the features up to date and estimate the errors as they are, for the
+    /// coming round, unless that has been done; nothing where errors are not estimated.
     fn estimate(&self) -> Parts<'_, E::Buffer> {
-        let Some(estimation) = self.estimation.as_ref().filter(|_| !self.estimated) else { return Parts::default() };
+        let Some(estimation) = self.estimation.as_ref().filter(|_| !self.estimated) else {
+            return Parts::default();
+        };
         let mut parts = self.trace_features(FILTER_FEATURE_SAMPLES);
-        let round =
-            ComingRound { samples: self.samples_of_round() as f32, mean_radiance: self.mean_radiance.unwrap_or(0.0) };
+        let round = ComingRound {
+            samples: self.samples_of_round() as f32,
+            mean_radiance: self.mean_radiance.unwrap_or(0.0),
+        };
         let camera = &self.stage.parameters.camera;
         let launches = estimation.launches(&self.stage.film, camera, &self.sampling, round);
         parts.add(launches, |timings| &mut timings.estimation);
@@ -190,7 +249,8 @@ impl<'e, E: Executor> Renderer<'e, E> {
         }
         let timings = self.run_estimate()?;
         if let Some(estimation) = &self.estimation {
-            self.mean_radiance = Some(estimation.noise(self.stage.executor, 0.0)?.mean_radiance as f32);
+            self.mean_radiance =
+                Some(estimation.noise(self.stage.executor, 0.0)?.mean_radiance as f32);
             self.estimated = false;
         }
         Ok(timings)
@@ -200,11 +260,14 @@ impl<'e, E: Executor> Renderer<'e, E> {
     pub fn noise(&mut self) -> Result<Option<Noise>, ExecError> {
         self.measure_mean_radiance()?;
         self.run_estimate()?;
-        let (Some(estimation), Some(mean_radiance)) = (&self.estimation, self.mean_radiance) else { return Ok(None) };
+        let (Some(estimation), Some(mean_radiance)) = (&self.estimation, self.mean_radiance) else {
+            return Ok(None);
+        };
         estimation.noise(self.stage.executor, mean_radiance).map(Some)
     }
 
-    /// Whether the picture's relative error is at most [`Sampling::noise`], or that of every pixel is; never before the first adaptive round.
+    /// Whether the picture's relative error is at most [`Sampling::noise`], or that of every pixel
+    /// is; never before the first adaptive round.
     pub fn has_converged(&mut self) -> Result<bool, ExecError> {
         let Some(threshold) = self.sampling.noise else { return Ok(false) };
         if self.paths < u64::from(self.sampling.initial_samples) * u64::from(self.pixels()) {
@@ -215,13 +278,14 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(noise.relative_error <= f64::from(threshold) || noise.unconverged == 0)
     }
 
-    /// How far the picture is on its way to [`Sampling::noise`] in samples, from 0 to 1, by what [`Self::has_converged`] saw last: the squared error falls as samples
-    /// rise.
+    /// How far the picture is on its way to [`Sampling::noise`] in samples, from 0 to 1, by what
+    /// [`Self::has_converged`] saw last: the squared error falls as samples rise.
     pub fn convergence(&self) -> f64 {
         self.convergence
     }
 
-    /// Camera rays that the features of each pixel should have by now: as many as a pixel has samples on average, at most `limit`.
+    /// Camera rays that the features of each pixel should have by now: as many as a pixel has
+    /// samples on average, at most `limit`.
     fn wanted_feature_samples(&self, limit: u32) -> u32 {
         let samples = (self.paths / u64::from(self.pixels())).min(u64::from(limit)) as u32;
         samples.max(self.feature_samples)
@@ -247,16 +311,25 @@ impl<'e, E: Executor> Renderer<'e, E> {
         let executor = self.stage.executor;
         let mut total = 0;
         for band in self.stage.film.bands() {
-            let parameters = CountParams { threads: COUNTERS, pixels: band.film.len() as u32, ..CountParams::zeroed() };
-            let launch = Launch::new(&kernels::count_rays, &parameters, vec![band.film.view(), self.ray_counts.view()]);
+            let parameters = CountParams {
+                threads: COUNTERS,
+                pixels: band.film.len() as u32,
+                ..CountParams::zeroed()
+            };
+            let launch = Launch::new(
+                &kernels::count_rays,
+                &parameters,
+                vec![band.film.view(), self.ray_counts.view()],
+            );
             executor.run(&[launch])?;
             total += self.ray_counts.read(executor)?.into_iter().map(u64::from).sum::<u64>();
         }
         Ok(total)
     }
 
-    /// Brings the features of every pixel to as many camera rays as a picture of its samples deserves: as many as a pixel has samples on average, at most
-    /// [`FEATURE_SAMPLES`]. The errors of later rounds may change by it, so this is for the end of a render.
+    /// Brings the features of every pixel to as many camera rays as a picture of its samples
+    /// deserves: as many as a pixel has samples on average, at most [`FEATURE_SAMPLES`]. The errors
+    /// of later rounds may change by it, so this is for the end of a render.
     pub fn finish_features(&mut self) -> Result<(), ExecError> {
         self.trace_features(FEATURE_SAMPLES).run(self.stage.executor)?;
         self.feature_samples = self.wanted_feature_samples(FEATURE_SAMPLES);
@@ -264,8 +337,8 @@ impl<'e, E: Executor> Renderer<'e, E> {
         Ok(())
     }
 
-    /// Copies the film to the host, with the features [so far](Self::finish_features) and, where they are asked for, with estimates of its
-    /// errors.
+    /// Copies the film to the host, with the features [so far](Self::finish_features) and, where
+    /// they are asked for, with estimates of its errors.
     pub fn film(&mut self) -> Result<Film, ExecError> {
         self.run_estimate()?;
         let executor = self.stage.executor;

@@ -8,8 +8,8 @@ use super::integrator::{Integrator, StreamBuffers};
 use super::settings::Timings;
 use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits};
 use raystream_shaders::film::Contribution;
-use raystream_shaders::path::PathParams;
-use raystream_shaders::stream::Slot;
+use raystream_shaders::film::stream::Slot;
+use raystream_shaders::integrator::path::PathParams;
 use std::time::{Duration, Instant};
 
 /// What rounds work on.
@@ -48,8 +48,9 @@ pub struct Round<'a, B> {
 pub const MAX_STREAM: u32 = 1 << 22;
 
 impl<'e, E: Executor> Stage<'e, E> {
-    /// Runs a round: `prelude` first, then what `allocator` makes of the errors. `after_batch` is called with the number of paths that each
-    /// batch has traced. Returns the paths traced and where the time went.
+    /// Runs a round: `prelude` first, then what `allocator` makes of the errors. `after_batch` is
+    /// called with the number of paths that each batch has traced. Returns the paths traced and
+    /// where the time went.
     pub fn round(
         &self,
         allocator: &dyn Allocator<E>,
@@ -58,13 +59,27 @@ impl<'e, E: Executor> Stage<'e, E> {
         after_batch: &mut dyn FnMut(u32),
     ) -> Result<(u64, Timings), ExecError> {
         let Round { paths, number, salt, errors, mut prelude } = round;
-        prelude.add(self.integrator.begin_round(&self.stream_buffers(), number), |timings| &mut timings.tracing);
-        let buffers =
-            RoundBuffers { film: &self.film, errors, slots: &self.slots, contributions: &self.contributions, salt };
+        prelude.add(self.integrator.begin_round(&self.stream_buffers(), number), |timings| {
+            &mut timings.tracing
+        });
+        let buffers = RoundBuffers {
+            film: &self.film,
+            errors,
+            slots: &self.slots,
+            contributions: &self.contributions,
+            salt,
+        };
         let mut timings = Timings::default();
         let mut filled = 0;
         for stream in allocator.streams(&self.film, paths, self.slots.len() as u32) {
-            timings += self.stream(allocator, std::mem::take(&mut prelude), &buffers, &stream, batch, after_batch)?;
+            timings += self.stream(
+                allocator,
+                std::mem::take(&mut prelude),
+                &buffers,
+                &stream,
+                batch,
+                after_batch,
+            )?;
             filled += u64::from(allocator.filled(self.executor, &stream)?);
         }
         Ok((filled, timings))
@@ -79,7 +94,8 @@ impl<'e, E: Executor> Stage<'e, E> {
         }
     }
 
-    /// Works off a stream, in one submission where it is no longer than a batch, with `prelude` before it.
+    /// Works off a stream, in one submission where it is no longer than a batch, with `prelude`
+    /// before it.
     fn stream(
         &self,
         allocator: &dyn Allocator<E>,
@@ -95,9 +111,13 @@ impl<'e, E: Executor> Stage<'e, E> {
         let mut next = 0;
         while next < stream.slots {
             let end = stream.slots.min(next + batch.slots().next_multiple_of(WINDOW_ALIGNMENT));
-            parts.add(self.integrator.trace(&self.stream_buffers(), next..end), |timings| &mut timings.tracing);
+            parts.add(self.integrator.trace(&self.stream_buffers(), next..end), |timings| {
+                &mut timings.tracing
+            });
             if end == stream.slots {
-                parts.add(allocator.accumulate(buffers, stream), |timings| &mut timings.accumulation);
+                parts.add(allocator.accumulate(buffers, stream), |timings| {
+                    &mut timings.accumulation
+                });
             }
             let start = Instant::now();
             timings += parts.run(self.executor)?;
@@ -133,8 +153,11 @@ impl<'a, B> Parts<'a, B> {
     pub fn run<E: Executor<Buffer = B>>(&mut self, executor: &E) -> Result<Timings, ExecError> {
         let parts = std::mem::take(&mut self.parts);
         let longest = if tracing::enabled!(tracing::Level::TRACE) { 1 } else { usize::MAX };
-        let timed =
-            || parts.iter().flat_map(|(launches, place)| launches.chunks(longest).map(move |part| (part, place)));
+        let timed = || {
+            parts.iter().flat_map(|(launches, place)| {
+                launches.chunks(longest).map(move |part| (part, place))
+            })
+        };
         let times = executor.run_parts(&timed().map(|(part, _)| part).collect::<Vec<_>>())?;
         let mut timings = Timings::default();
         for ((part, place), time) in timed().zip(times) {

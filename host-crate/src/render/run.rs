@@ -2,7 +2,7 @@
 
 use super::{Renderer, Timings};
 use crate::exec::{ExecError, Executor};
-use raystream_shaders::bvh::MAX_DEPTH;
+use raystream_shaders::scene::bvh::MAX_DEPTH;
 use std::time::{Duration, Instant};
 
 /// When to stop: at whichever comes first.
@@ -27,7 +27,8 @@ pub struct Progress {
     pub elapsed: Duration,
     /// The budget's time.
     pub time: Option<Duration>,
-    /// How far the picture is on its way to the noise that was asked for, from 0 to 1; 0 where none was.
+    /// How far the picture is on its way to the noise that was asked for, from 0 to 1; 0 where none
+    /// was.
     pub convergence: f64,
 }
 
@@ -65,7 +66,8 @@ pub enum RenderError {
 /// How often rays are counted.
 const RAY_COUNT_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Renders rounds until `budget` is spent, the picture [has converged](Renderer::has_converged) or `interrupted` says so (asked after every round). `observe` is told of every batch.
+/// Renders rounds until `budget` is spent, the picture [has converged](Renderer::has_converged) or
+/// `interrupted` says so (asked after every round). `observe` is told of every batch.
 ///
 /// With neither samples nor time nor a noise to reach the render goes on until it is interrupted.
 pub fn run<E: Executor>(
@@ -77,8 +79,14 @@ pub fn run<E: Executor>(
     let start = Instant::now();
     let pixels = u64::from(renderer.pixels());
     let total_paths = budget.samples.map(|samples| u64::from(samples) * pixels);
-    let mut progress =
-        Progress { paths: 0, total_paths, rays: 0, elapsed: Duration::ZERO, time: budget.time, convergence: 0.0 };
+    let mut progress = Progress {
+        paths: 0,
+        total_paths,
+        rays: 0,
+        elapsed: Duration::ZERO,
+        time: budget.time,
+        convergence: 0.0,
+    };
     let mut timings = Timings::default();
     let mut last_count = start;
     let mut rays_per_path = 0.0;

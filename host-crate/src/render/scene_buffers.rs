@@ -3,9 +3,9 @@
 use super::PreparedScene;
 use crate::exec::{Array, ExecError, Executor, View};
 use glam::UVec4;
-use raystream_shaders::light::Light;
-use raystream_shaders::material::Material;
-use raystream_shaders::surface::Attributes;
+use raystream_shaders::scene::bsdf::Material;
+use raystream_shaders::scene::light::Light;
+use raystream_shaders::scene::triangle::Attributes;
 
 /// The buffers of [`PreparedScene`].
 pub struct SceneBuffers<B> {
@@ -25,18 +25,26 @@ pub struct SceneBuffers<B> {
 
 impl<B> SceneBuffers<B> {
     /// Copies the scene to the device.
-    pub fn new<E: Executor<Buffer = B>>(executor: &E, scene: &PreparedScene) -> Result<Self, ExecError> {
+    pub fn new<E: Executor<Buffer = B>>(
+        executor: &E,
+        scene: &PreparedScene,
+    ) -> Result<Self, ExecError> {
         Ok(Self {
             nodes: Array::from_slice(executor, "BVH nodes", &scene.nodes)?,
             triangles: Array::from_slice(executor, "triangles", &scene.triangles)?,
-            attributes: Array::from_slice(executor, "normals and texture coordinates", &scene.attributes)?,
+            attributes: Array::from_slice(
+                executor,
+                "normals and texture coordinates",
+                &scene.attributes,
+            )?,
             materials: Array::from_slice(executor, "materials", &scene.materials)?,
             lights: Array::from_slice(executor, "lights", &scene.lights)?,
             texels: Array::from_slice(executor, "textures", &scene.texels)?,
         })
     }
 
-    /// What a kernel is given that binds `before`, then the whole scene in the order of the fields, then `after`.
+    /// What a kernel is given that binds `before`, then the whole scene in the order of the fields,
+    /// then `after`.
     pub fn between<'a, const BEFORE: usize, const AFTER: usize>(
         &'a self,
         before: [View<'a, B>; BEFORE],

@@ -5,8 +5,8 @@ use super::{LightCacheSettings, PreparedScene, Sampling};
 use crate::scene::FilmSize;
 use clap::ValueEnum;
 use glam::Vec3;
-use raystream_shaders::path::{self, PathParams};
-use raystream_shaders::sampler;
+use raystream_shaders::integrator::path::{self, PathParams};
+use raystream_shaders::math::random;
 use std::ops::AddAssign;
 use std::time::Duration;
 
@@ -27,8 +27,9 @@ pub struct Settings {
     pub techniques: Techniques,
     /// Radiance from where there is no surface, linear Rec.709.
     pub background: Vec3,
-    /// How far rays start from surfaces, in roundings of the surface's largest coordinate (2^-24 of it each): enough that no
-    /// surface shades itself, and no more, since what is smaller than this distance casts no shadow.
+    /// How far rays start from surfaces, in roundings of the surface's largest coordinate (2^-24 of
+    /// it each): enough that no surface shades itself, and no more, since what is smaller than this
+    /// distance casts no shadow.
     pub ray_offset: f32,
     /// Which pixels get how many samples.
     pub sampling: Sampling,
@@ -43,18 +44,23 @@ pub struct Settings {
 pub enum IntegratorKind {
     /// One thread walks one path to its end.
     Megakernel,
-    /// All paths advance by a segment at a time; after each, stream compaction removes those that have ended.
+    /// All paths advance by a segment at a time; after each, stream compaction removes those that
+    /// have ended.
     Compaction,
-    /// A fixed number of threads, each of which takes the next sample as soon as its path has ended.
+    /// A fixed number of threads, each of which takes the next sample as soon as its path has
+    /// ended.
     #[default]
     Regeneration,
-    /// A pool of paths that advance by a segment at a time; stream compaction removes those that have ended, and the next samples take their places.
+    /// A pool of paths that advance by a segment at a time; stream compaction removes those that
+    /// have ended, and the next samples take their places.
     Streaming,
-    /// Bidirectional: paths from the lights leave vertices in a cache, to which paths from the camera connect.
+    /// Bidirectional: paths from the lights leave vertices in a cache, to which paths from the
+    /// camera connect.
     Lvc,
 }
 
-/// How light is looked for. All are unbiased where every technique can find all light; they differ in noise.
+/// How light is looked for. All are unbiased where every technique can find all light; they differ
+/// in noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Techniques {
     /// Next-event estimation and BSDF sampling, weighed by the power heuristic.
@@ -97,7 +103,7 @@ impl PreparedScene {
         PathParams {
             threads: 0,
             seed: settings.seed,
-            sampler: if settings.independent_sampler { sampler::INDEPENDENT } else { sampler::SOBOL },
+            sampler: if settings.independent_sampler { random::INDEPENDENT } else { random::SOBOL },
             max_depth: settings.max_depth,
             roulette_depth: settings.roulette_depth,
             lights: self.lights.len() as u32,

@@ -2,25 +2,29 @@
 
 use glam::{DVec3, UVec4, Vec3};
 use raystream_shaders::math::UNIT_ROUNDOFF;
-use raystream_shaders::rows::row;
-use raystream_shaders::triangle::Triangle;
+use raystream_shaders::memory::rows::row;
+use raystream_shaders::scene::triangle::Triangle;
 
-/// The triangles of `order` (indices, some of them more than once), as [`raystream_shaders::triangle`] lays them out.
+/// The triangles of `order` (indices, some of them more than once), as
+/// [`raystream_shaders::scene::triangle`] lays them out.
 pub fn table(triangles: &[Triangle], order: &[u32]) -> Vec<UVec4> {
     let ordered = || order.iter().map(|&index| &triangles[index as usize]);
     ordered().flat_map(planes).chain(ordered().flat_map(Triangle::to_rows)).collect()
 }
 
-/// By how many roundings of its largest coordinate a triangle is enlarged for the test, so that no ray passes between two that share an
-/// edge. Of 200 000 rays that aim at an edge 10 358 pass if it is 0, 48 if it is 4, none from 8 on. (Möller and Trumbore's test, which does without, lets 849 pass.)
+/// By how many roundings of its largest coordinate a triangle is enlarged for the test, so that no
+/// ray passes between two that share an edge. Of 200 000 rays that aim at an edge 10 358 pass if it
+/// is 0, 48 if it is 4, none from 8 on. (Möller and Trumbore's test, which does without, lets 849
+/// pass.)
 const ENLARGED: f64 = 8.0;
 
 /// The three rows of the test.
 fn planes(triangle: &Triangle) -> [UVec4; 3] {
     let [corner, edge1, edge2] =
         [triangle.corner, triangle.edge1, triangle.edge2].map(|vector: Vec3| vector.as_dvec3());
-    let scale =
-        1.0 + ENLARGED * f64::from(UNIT_ROUNDOFF) * f64::from(triangle.magnitude()) / f64::from(triangle.size());
+    let scale = 1.0
+        + ENLARGED * f64::from(UNIT_ROUNDOFF) * f64::from(triangle.magnitude())
+            / f64::from(triangle.size());
     let centroid = corner + (edge1 + edge2) / 3.0;
     let corner = centroid + (corner - centroid) * scale;
     let normal = edge1.cross(edge2);
@@ -36,9 +40,9 @@ fn planes(triangle: &Triangle) -> [UVec4; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raystream_shaders::ray::{Hit, Ray};
-    use raystream_shaders::sampler::hash;
-    use raystream_shaders::triangle::{NO_ATTRIBUTES, TriangleView};
+    use raystream_shaders::math::random::hash;
+    use raystream_shaders::scene::ray::{Hit, Ray};
+    use raystream_shaders::scene::triangle::{NO_ATTRIBUTES, TriangleView};
 
     /// Numbers in [-1, 1).
     fn numbers(seed: u32) -> impl FnMut() -> f32 {
@@ -71,16 +75,24 @@ mod tests {
             let (origin, triangle) = (at + vector(5.0 * size), triangle(corners));
             let table = table(&[triangle], &[0]);
             let stored = TriangleView::new(&table).get(0);
-            assert_eq!((stored.corner, stored.edge1, stored.edge2), (triangle.corner, triangle.edge1, triangle.edge2));
+            assert_eq!(
+                (stored.corner, stored.edge1, stored.edge2),
+                (triangle.corner, triangle.edge1, triangle.edge2)
+            );
 
             let (u, v) = (0.1 + 0.4 * number().abs(), 0.1 + 0.3 * number().abs());
             let target = triangle.corner + triangle.edge1 * u + triangle.edge2 * v;
             let ray = Ray::new(origin, target - origin);
-            // Coordinates are below 16 sizes. The distance, the point and a gradient take some ten roundings of them each, and the triangle is enlarged by
-            // eight: so far is a point off, in units of the triangle's height, seen along the ray.
+            // Coordinates are below 16 sizes. The distance, the point and a gradient take some ten
+            // roundings of them each, and the triangle is enlarged by eight: so far is a point off,
+            // in units of the triangle's height, seen along the ray.
             let normal = triangle.edge1.cross(triangle.edge2);
             let height = normal.length()
-                / triangle.edge1.length().max(triangle.edge2.length()).max((triangle.edge1 - triangle.edge2).length());
+                / triangle
+                    .edge1
+                    .length()
+                    .max(triangle.edge2.length())
+                    .max((triangle.edge1 - triangle.edge2).length());
             let slant = normal.normalize().dot(ray.direction.normalize()).abs();
             let tolerance = 40.0 * UNIT_ROUNDOFF * 16.0 * size / (height * slant);
             if tolerance > 0.05 {
@@ -90,7 +102,10 @@ mod tests {
             }
             let hit = hit(&table, 0, &ray);
             assert!(hit.is_some(), "{seed}: {triangle:?} {ray:?}");
-            assert!((hit.u - u).abs() < tolerance && (hit.v - v).abs() < tolerance, "{seed}: {hit:?} {u} {v}");
+            assert!(
+                (hit.u - u).abs() < tolerance && (hit.v - v).abs() < tolerance,
+                "{seed}: {hit:?} {u} {v}"
+            );
             let before = Ray::segment(origin, target - origin, 0.99 - tolerance);
             assert!(!self::hit(&table, 0, &before).is_some(), "{seed}: {triangle:?} {before:?}");
         }
@@ -109,12 +124,18 @@ mod tests {
             let along = (b - a).normalize();
             let outwards = (a - below).cross(along).normalize();
             let table = table(
-                &[triangle([a, b, (a + b) / 2.0 + outwards]), triangle([b, a, (a + b) / 2.0 - outwards])],
+                &[
+                    triangle([a, b, (a + b) / 2.0 + outwards]),
+                    triangle([b, a, (a + b) / 2.0 - outwards]),
+                ],
                 &[0, 1],
             );
             let target = a + (b - a) * (0.5 + 0.49 * number());
             let ray = Ray::new(below, target - below);
-            assert!(hit(&table, 0, &ray).is_some() || hit(&table, 1, &ray).is_some(), "{seed}: {ray:?}");
+            assert!(
+                hit(&table, 0, &ray).is_some() || hit(&table, 1, &ray).is_some(),
+                "{seed}: {ray:?}"
+            );
         }
     }
 }

@@ -3,8 +3,8 @@
 use super::format::Quad;
 use super::obj::Part;
 use glam::{DVec3, Vec3};
-use raystream_shaders::surface::Attributes;
-use raystream_shaders::triangle::{NO_ATTRIBUTES, Triangle};
+use raystream_shaders::scene::triangle::Attributes;
+use raystream_shaders::scene::triangle::{NO_ATTRIBUTES, Triangle};
 use std::collections::HashSet;
 
 /// The triangles of a scene as they are gathered.
@@ -28,7 +28,8 @@ pub(super) struct Wanted {
 }
 
 impl Geometry {
-    /// No triangles; `dedupe` drops those with the same three corners as an earlier one, in any order.
+    /// No triangles; `dedupe` drops those with the same three corners as an earlier one, in any
+    /// order.
     pub(super) fn new(dedupe: bool) -> Self {
         Self { seen: dedupe.then(HashSet::new), ..Self::default() }
     }
@@ -71,7 +72,8 @@ fn with_area(corners: [Vec3; 3], material: u32) -> Option<Triangle> {
     let [a, b, c] = corners;
     let exact = [a, b, c].map(|corner| corner.as_dvec3());
     let area = (exact[1] - exact[0]).cross(exact[2] - exact[0]).length();
-    let triangle = Triangle { corner: a, edge1: b - a, edge2: c - a, material, attributes: NO_ATTRIBUTES };
+    let triangle =
+        Triangle { corner: a, edge1: b - a, edge2: c - a, material, attributes: NO_ATTRIBUTES };
     (area > 0.0 && triangle.normal().is_finite()).then_some(triangle)
 }
 
@@ -86,7 +88,8 @@ fn identity(corners: [Vec3; 3]) -> [[u32; 3]; 3] {
 fn attributes(mesh: &tobj::Mesh, first: usize, wanted: Wanted) -> Attributes {
     let mut attributes = Attributes::default();
     if wanted.normals {
-        let [n0, n1, n2] = [0, 1, 2].map(|k| unit(vec3(&mesh.normals, mesh.normal_indices[first + k])));
+        let [n0, n1, n2] =
+            [0, 1, 2].map(|k| unit(vec3(&mesh.normals, mesh.normal_indices[first + k])));
         attributes = Attributes { normal0: n0, normal1: n1, normal2: n2, ..attributes };
     }
     if wanted.texture_coordinates {

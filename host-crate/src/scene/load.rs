@@ -11,8 +11,8 @@ use super::texture::Textures;
 use super::values::{Object, Radiance, Reflectance};
 use super::{Scene, SceneError};
 use glam::Vec3;
-use raystream_shaders::material::{DIELECTRIC, DIFFUSE, MIRROR, Material};
-use raystream_shaders::texture::NO_TEXTURE;
+use raystream_shaders::scene::bsdf::{DIELECTRIC, DIFFUSE, MIRROR, Material};
+use raystream_shaders::scene::texture::NO_TEXTURE;
 use serde::de::Error as _;
 use std::path::{Path, PathBuf};
 
@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 ///
-/// When a file is missing or malformed, or a value out of range: the message names the file, the place in it and
-/// what to do.
+/// When a file is missing or malformed, or a value out of range: the message names the file, the
+/// place in it and what to do.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
     load_from(&Disk, path)
 }
@@ -43,7 +43,9 @@ pub(super) fn load_from(source: &dyn Source, path: &Path) -> Result<Scene, Scene
     let mut any_smooth = false;
     for part in &obj.parts {
         let rule = match file.materials.get(&part.material) {
-            Some(Object(rule)) => names.with_found_texture(&part.material, rule, parent(&obj_path))?,
+            Some(Object(rule)) => {
+                names.with_found_texture(&part.material, rule, parent(&obj_path))?
+            }
             None => match library.describe(&part.material, source).transpose()? {
                 Some(Described { rule, warning }) => {
                     warnings.extend(warning);
@@ -59,7 +61,11 @@ pub(super) fn load_from(source: &dyn Source, path: &Path) -> Result<Scene, Scene
         any_smooth |= smooth;
         let textured = textured(&obj_path, part, &rule)?;
         if let Some(material) = device_material(&rule, source, &mut textures)? {
-            geometry.add_part(part, materials.len() as u32, Wanted { normals: smooth, texture_coordinates: textured });
+            geometry.add_part(
+                part,
+                materials.len() as u32,
+                Wanted { normals: smooth, texture_coordinates: textured },
+            );
             materials.push(material);
         }
     }
@@ -67,14 +73,21 @@ pub(super) fn load_from(source: &dyn Source, path: &Path) -> Result<Scene, Scene
         if !geometry.add_quad(quad, materials.len() as u32) {
             let what = "u and v span no area: a quad needs two edges in different directions";
             let source = serde_json::Error::custom(what);
-            return Err(SceneError::Json { path: path.to_owned(), key: format!("quads[{index}]"), source });
+            return Err(SceneError::Json {
+                path: path.to_owned(),
+                key: format!("quads[{index}]"),
+                source,
+            });
         }
         materials.push(emissive(quad.radiance, Reflectance(Vec3::ZERO)));
     }
 
     if !undescribed.is_empty() {
         let obj = obj_path.display();
-        warnings.push(format!("{obj}: no MTL describes {}: diffuse grey of 0.5 is used.", list(&undescribed)));
+        warnings.push(format!(
+            "{obj}: no MTL describes {}: diffuse grey of 0.5 is used.",
+            list(&undescribed)
+        ));
     }
     if file.normals == Normals::Smooth && !any_smooth {
         let obj = obj_path.display();
@@ -82,11 +95,18 @@ pub(super) fn load_from(source: &dyn Source, path: &Path) -> Result<Scene, Scene
             .push(format!("{obj}: normals are to be smooth, but no material has a vn at every corner: they are flat."));
     }
     if geometry.degenerate > 0 {
-        warnings.push(format!("{}: {} triangles without area were dropped.", obj_path.display(), geometry.degenerate));
+        warnings.push(format!(
+            "{}: {} triangles without area were dropped.",
+            obj_path.display(),
+            geometry.degenerate
+        ));
     }
     if geometry.duplicates > 0 {
         let obj = obj_path.display();
-        warnings.push(format!("{obj}: {} triangles with the corners of another were dropped.", geometry.duplicates));
+        warnings.push(format!(
+            "{obj}: {} triangles with the corners of another were dropped.",
+            geometry.duplicates
+        ));
     }
     if !geometry.triangles.iter().any(|triangle| materials[triangle.material as usize].emits()) {
         let scene = path.display();
@@ -113,8 +133,13 @@ fn parent(path: &Path) -> &Path {
 
 fn check_overrides(path: &Path, file: &SceneFile, obj: &Obj) -> Result<(), SceneError> {
     let used: Vec<_> = obj.parts.iter().map(|part| part.material.clone()).collect();
-    let names: Vec<_> = file.materials.keys().filter(|name| !used.contains(name)).cloned().collect();
-    if names.is_empty() { Ok(()) } else { Err(SceneError::UnknownMaterials { path: path.to_owned(), names, used }) }
+    let names: Vec<_> =
+        file.materials.keys().filter(|name| !used.contains(name)).cloned().collect();
+    if names.is_empty() {
+        Ok(())
+    } else {
+        Err(SceneError::UnknownMaterials { path: path.to_owned(), names, used })
+    }
 }
 
 fn read_libraries(
@@ -127,7 +152,10 @@ fn read_libraries(
     for name in &obj.libraries {
         match source.find(parent(obj_path), &portable(name)) {
             Some(path) => library.add(&path, &source.read(&path)?),
-            None => warnings.push(format!("{}: the MTL file `{name}` that it names is not there.", obj_path.display())),
+            None => warnings.push(format!(
+                "{}: the MTL file `{name}` that it names is not there.",
+                obj_path.display()
+            )),
         }
     }
     Ok(library)
@@ -158,10 +186,15 @@ fn device_material(
         MaterialRule::Diffuse(Albedo::Colour(reflectance)) => {
             Material { kind: DIFFUSE, reflectance: reflectance.0, ..plain }
         }
-        MaterialRule::Diffuse(Albedo::Texture(path)) => {
-            Material { kind: DIFFUSE, reflectance: Vec3::ONE, texture: textures.load(source, path)?, ..plain }
+        MaterialRule::Diffuse(Albedo::Texture(path)) => Material {
+            kind: DIFFUSE,
+            reflectance: Vec3::ONE,
+            texture: textures.load(source, path)?,
+            ..plain
+        },
+        MaterialRule::Mirror(reflectance) => {
+            Material { kind: MIRROR, reflectance: reflectance.0, ..plain }
         }
-        MaterialRule::Mirror(reflectance) => Material { kind: MIRROR, reflectance: reflectance.0, ..plain },
         MaterialRule::Dielectric { ior, transmittance, reflectance } => Material {
             kind: DIELECTRIC,
             reflectance: reflectance.0,
@@ -201,10 +234,12 @@ impl Names<'_> {
             text: text.to_owned(),
         })?;
         let name = portable(&expanded);
-        folders.iter().find_map(|folder| self.source.find(folder, &name)).ok_or_else(|| SceneError::Missing {
-            path: self.scene.to_owned(),
-            key: key.to_owned(),
-            wanted: folders.last().map_or(name.clone(), |folder| folder.join(&name)),
+        folders.iter().find_map(|folder| self.source.find(folder, &name)).ok_or_else(|| {
+            SceneError::Missing {
+                path: self.scene.to_owned(),
+                key: key.to_owned(),
+                wanted: folders.last().map_or(name.clone(), |folder| folder.join(&name)),
+            }
         })
     }
 

@@ -18,11 +18,12 @@ pub use load::load;
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, embedded, load_named, shipped};
 
 use glam::Vec3;
-use raystream_shaders::material::Material;
-use raystream_shaders::surface::Attributes;
-use raystream_shaders::triangle::Triangle;
+use raystream_shaders::scene::bsdf::Material;
+use raystream_shaders::scene::triangle::Attributes;
+use raystream_shaders::scene::triangle::Triangle;
 
-/// A scene, loaded and checked: every index is in range, every number finite, every triangle has an area.
+/// A scene, loaded and checked: every index is in range, every number finite, every triangle has an
+/// area.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// What the scene file calls it.
@@ -39,7 +40,8 @@ pub struct Scene {
     pub attributes: Vec<Attributes>,
     /// The materials; [`Triangle::material`] points here.
     pub materials: Vec<Material>,
-    /// The textures, in the layout of [`raystream_shaders::texture`]; [`Material::texture`] points here.
+    /// The textures, in the layout of [`raystream_shaders::scene::texture`]; [`Material::texture`]
+    /// points here.
     pub texels: Vec<u32>,
     /// What the user should know of (no light, dropped triangles ...), one sentence each.
     pub warnings: Vec<String>,
@@ -60,7 +62,9 @@ impl FilmSize {
     /// # Errors
     /// A sentence that names the limit, if a side is zero, negative or too large.
     pub fn new(width: i64, height: i64) -> Result<Self, String> {
-        let side = |name, value| values::FilmSide::try_from(value).map_err(|error| format!("the {name} {error}"));
+        let side = |name, value| {
+            values::FilmSide::try_from(value).map_err(|error| format!("the {name} {error}"))
+        };
         Ok(Self { width: side("width", width)?.0, height: side("height", height)?.0 })
     }
 }

@@ -39,7 +39,8 @@ pub(super) struct Described {
 }
 
 impl Library {
-    /// Adds the materials of one MTL file, which replace those of the same names; `path` is where textures are looked for.
+    /// Adds the materials of one MTL file, which replace those of the same names; `path` is where
+    /// textures are looked for.
     pub(super) fn add(&mut self, path: &Path, bytes: &[u8]) {
         let text = String::from_utf8_lossy(bytes);
         let mut added: HashMap<String, Entry> = HashMap::new();
@@ -62,8 +63,13 @@ impl Library {
         self.materials.extend(added);
     }
 
-    /// What the files say of the material `name`, if anything. Textures are looked for beside the MTL, in `source`.
-    pub(super) fn describe(&self, name: &str, source: &dyn Source) -> Option<Result<Described, SceneError>> {
+    /// What the files say of the material `name`, if anything. Textures are looked for beside the
+    /// MTL, in `source`.
+    pub(super) fn describe(
+        &self,
+        name: &str,
+        source: &dyn Source,
+    ) -> Option<Result<Described, SceneError>> {
         Some(self.materials.get(name)?.describe(source))
     }
 }
@@ -84,28 +90,41 @@ impl Entry {
             return plain(MaterialRule::Mirror(self.reflectance("ks", Reflectance(Vec3::ZERO))?));
         }
         if DIELECTRIC_MODELS.contains(&illumination) {
-            let ior =
-                Ior::try_from(self.number("ni")?.unwrap_or(DEFAULT_IOR)).map_err(|what| self.error("ni", what))?;
+            let ior = Ior::try_from(self.number("ni")?.unwrap_or(DEFAULT_IOR))
+                .map_err(|what| self.error("ni", what))?;
             let white = Reflectance(Vec3::ONE);
-            return plain(MaterialRule::Dielectric { ior, transmittance: white, reflectance: white });
+            return plain(MaterialRule::Dielectric {
+                ior,
+                transmittance: white,
+                reflectance: white,
+            });
         }
         self.diffuse(source)
     }
 
     fn diffuse(&self, source: &dyn Source) -> Result<Described, SceneError> {
         let colour = |entry: &Self| {
-            entry.reflectance("kd", DEFAULT_REFLECTANCE).map(|kd| MaterialRule::Diffuse(Albedo::Colour(kd)))
+            entry
+                .reflectance("kd", DEFAULT_REFLECTANCE)
+                .map(|kd| MaterialRule::Diffuse(Albedo::Colour(kd)))
         };
-        let texture = self.keys.get("map_kd").map(|(_, value)| value.as_str()).filter(|value| !value.is_empty());
+        let texture = self
+            .keys
+            .get("map_kd")
+            .map(|(_, value)| value.as_str())
+            .filter(|value| !value.is_empty());
         let Some(texture) = texture else {
             return Ok(Described { rule: colour(self)?, warning: None });
         };
         // The whole may be a name with spaces; else options may stand before the name.
         let last = texture.split_whitespace().next_back().unwrap_or(texture);
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        let found = [texture, last].into_iter().find_map(|name| source.find(folder, &portable(name)));
+        let found =
+            [texture, last].into_iter().find_map(|name| source.find(folder, &portable(name)));
         match found {
-            Some(path) => Ok(Described { rule: MaterialRule::Diffuse(Albedo::Texture(path)), warning: None }),
+            Some(path) => {
+                Ok(Described { rule: MaterialRule::Diffuse(Albedo::Texture(path)), warning: None })
+            }
             None => {
                 let warning = format!(
                     "{}: material `{}`: the texture `{texture}` is not there; its colour Kd is used instead.",
@@ -127,12 +146,17 @@ impl Entry {
     /// Three numbers; a single one stands for all three.
     fn colour(&self, key: &str) -> Result<Option<Vec<f64>>, SceneError> {
         let Some((_, value)) = self.keys.get(key) else { return Ok(None) };
-        let numbers: Vec<f64> =
-            value.split_whitespace().take(3).map(|word| self.parse(key, word)).collect::<Result<_, _>>()?;
+        let numbers: Vec<f64> = value
+            .split_whitespace()
+            .take(3)
+            .map(|word| self.parse(key, word))
+            .collect::<Result<_, _>>()?;
         match numbers[..] {
             [grey] => Ok(Some(vec![grey; 3])),
             [_, _, _] => Ok(Some(numbers)),
-            _ => Err(self.error(key, format!("must be one or three numbers, has {}", numbers.len()))),
+            _ => {
+                Err(self.error(key, format!("must be one or three numbers, has {}", numbers.len())))
+            }
         }
     }
 
@@ -148,6 +172,12 @@ impl Entry {
 
     fn error(&self, key: &str, what: String) -> SceneError {
         let line = self.keys.get(key).map_or(0, |(line, _)| *line);
-        SceneError::Mtl { path: self.path.clone(), line, material: self.name.clone(), key: key.to_owned(), what }
+        SceneError::Mtl {
+            path: self.path.clone(),
+            line,
+            material: self.name.clone(),
+            key: key.to_owned(),
+            what,
+        }
     }
 }

@@ -27,22 +27,35 @@ pub(super) struct Part {
     pub has_normals: bool,
 }
 
-/// Polygons become fans around their first corner; positions, texture coordinates and normals keep their own indices.
-const OPTIONS: tobj::LoadOptions =
-    tobj::LoadOptions { triangulate: true, single_index: false, ignore_points: true, ignore_lines: true };
+/// Polygons become fans around their first corner; positions, texture coordinates and normals keep
+/// their own indices.
+const OPTIONS: tobj::LoadOptions = tobj::LoadOptions {
+    triangulate: true,
+    single_index: false,
+    ignore_points: true,
+    ignore_lines: true,
+};
 
 impl Obj {
     /// Reads an OBJ file; `path` is for messages only.
     pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Self, SceneError> {
-        let ObjText { vertices, groups, libraries } = obj_text::parse(&String::from_utf8_lossy(bytes))
-            .map_err(|bad| SceneError::Obj { path: path.to_owned(), line: bad.line, what: bad.what })?;
+        let ObjText { vertices, groups, libraries } =
+            obj_text::parse(&String::from_utf8_lossy(bytes)).map_err(|bad| SceneError::Obj {
+                path: path.to_owned(),
+                line: bad.line,
+                what: bad.what,
+            })?;
         let fail = |what: String| SceneError::ObjContent { path: path.to_owned(), what };
         if groups.is_empty() {
-            return Err(fail("has no faces; a scene needs an OBJ with at least one `f` line".to_owned()));
+            return Err(fail(
+                "has no faces; a scene needs an OBJ with at least one `f` line".to_owned(),
+            ));
         }
         let text = single_text(&vertices, &groups);
-        let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &OPTIONS, |_| numbered_materials(groups.len()))
-            .map_err(|error| fail(format!("cannot be read as OBJ: {error}")))?;
+        let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &OPTIONS, |_| {
+            numbered_materials(groups.len())
+        })
+        .map_err(|error| fail(format!("cannot be read as OBJ: {error}")))?;
         let parts = models.into_iter().filter_map(|model| {
             let group = groups.get(model.mesh.material_id?)?;
             Some(Part {
@@ -72,7 +85,8 @@ fn single_text(vertices: &str, groups: &[FaceGroup]) -> String {
 
 /// The materials `0`, `1` ... : tobj tells apart only those that a library has.
 fn numbered_materials(count: usize) -> tobj::MTLLoadResult {
-    let materials = (0..count).map(|number| tobj::Material { name: number.to_string(), ..Default::default() });
+    let materials =
+        (0..count).map(|number| tobj::Material { name: number.to_string(), ..Default::default() });
     Ok((materials.collect(), (0..count).map(|number| (number.to_string(), number)).collect()))
 }
 
@@ -92,10 +106,14 @@ mod tests {
 
     #[test]
     fn materials_keep_their_names_without_any_library() {
-        let obj =
-            parse("mtllib my file.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl red wall\nf 1 2 3\ng x\nusemtl b\nf 1 2 3");
+        let obj = parse(
+            "mtllib my file.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl red wall\nf 1 2 3\ng x\nusemtl b\nf 1 2 3",
+        );
         assert_eq!(obj.libraries, ["my file.mtl"]);
-        assert_eq!(obj.parts.iter().map(|part| part.material.as_str()).collect::<Vec<_>>(), ["red wall", "b"]);
+        assert_eq!(
+            obj.parts.iter().map(|part| part.material.as_str()).collect::<Vec<_>>(),
+            ["red wall", "b"]
+        );
     }
 
     #[test]

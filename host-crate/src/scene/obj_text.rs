@@ -1,8 +1,9 @@
 //! OBJ text, checked line by line and put into a plain form.
 //!
-//! tobj reads OBJ, but says no line number, fills in missing normals and texture coordinates, takes polylines for
-//! faces and can panic on indices out of range. What it gets here has none of these: only vertices, and then the faces of one
-//! material after the other, with absolute indices that are in range.
+//! tobj reads OBJ, but says no line number, fills in missing normals and texture coordinates, takes
+//! polylines for faces and can panic on indices out of range. What it gets here has none of these:
+//! only vertices, and then the faces of one material after the other, with absolute indices that
+//! are in range.
 
 use super::values::MAX_COORDINATE;
 use std::collections::HashMap;
@@ -64,7 +65,8 @@ struct Reader {
     libraries: Vec<String>,
     /// The largest index of v, vt and vn in the line being read.
     largest: [usize; 3],
-    /// The largest index of v, vt and vn so far, and its line: a face may refer to vertices that follow it.
+    /// The largest index of v, vt and vn so far, and its line: a face may refer to vertices that
+    /// follow it.
     references: [(usize, usize); 3],
 }
 
@@ -97,7 +99,9 @@ impl Reader {
         for word in without_comment(rest).split_ascii_whitespace().take(wanted) {
             let number: f32 = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
             if !number.is_finite() || f64::from(number).abs() > MAX_COORDINATE {
-                return Err(format!("`{word}` is not a number from -{MAX_COORDINATE} to {MAX_COORDINATE}"));
+                return Err(format!(
+                    "`{word}` is not a number from -{MAX_COORDINATE} to {MAX_COORDINATE}"
+                ));
             }
             self.vertices.push(' ');
             self.vertices.push_str(word);
@@ -113,8 +117,10 @@ impl Reader {
     }
 
     fn face(&mut self, rest: &str) -> Result<(), String> {
-        let corners: Vec<_> =
-            without_comment(rest).split_ascii_whitespace().map(|word| self.corner(word)).collect::<Result<_, _>>()?;
+        let corners: Vec<_> = without_comment(rest)
+            .split_ascii_whitespace()
+            .map(|word| self.corner(word))
+            .collect::<Result<_, _>>()?;
         if corners.len() < 3 {
             return Ok(());
         }
@@ -147,16 +153,22 @@ impl Reader {
         }
         match indices {
             [Some(v), vt, vn] if parts.next().is_none() => Ok(Corner { v, vt, vn }),
-            _ => Err(format!("`{word}` is not a corner of a face; it must look like 1, 1/2, 1//3 or 1/2/3")),
+            _ => Err(format!(
+                "`{word}` is not a corner of a face; it must look like 1, 1/2, 1//3 or 1/2/3"
+            )),
         }
     }
 
-    /// The absolute index, from 1, that `text` stands for; negative ones count from the end of the list so far.
+    /// The absolute index, from 1, that `text` stands for; negative ones count from the end of the
+    /// list so far.
     fn index(&mut self, list: usize, text: &str) -> Result<usize, String> {
         let (name, count) = (LISTS[list].0, self.counts[list]);
-        let index: i64 = text.parse().map_err(|_| format!("`{text}` is not the index of a {name}"))?;
+        let index: i64 =
+            text.parse().map_err(|_| format!("`{text}` is not the index of a {name}"))?;
         let absolute = if index < 0 {
-            usize::try_from(index.unsigned_abs()).ok().and_then(|back| (count + 1).checked_sub(back))
+            usize::try_from(index.unsigned_abs())
+                .ok()
+                .and_then(|back| (count + 1).checked_sub(back))
         } else {
             usize::try_from(index).ok()
         };
@@ -165,7 +177,9 @@ impl Reader {
                 self.largest[list] = self.largest[list].max(absolute);
                 Ok(absolute)
             }
-            _ if index < 0 => Err(format!("{name} {index} does not exist: there are {count} before this line")),
+            _ if index < 0 => {
+                Err(format!("{name} {index} does not exist: there are {count} before this line"))
+            }
             _ => Err(format!("{name} {index} does not exist: they are counted from 1")),
         }
     }
@@ -194,9 +208,14 @@ impl Reader {
     }
 
     fn finish(mut self) -> Result<ObjText, BadLine> {
-        for ((&(index, line), count), (name, _)) in self.references.iter().zip(self.counts).zip(LISTS) {
+        for ((&(index, line), count), (name, _)) in
+            self.references.iter().zip(self.counts).zip(LISTS)
+        {
             if index > count {
-                return Err(BadLine { line, what: format!("{name} {index} does not exist: the file has {count}") });
+                return Err(BadLine {
+                    line,
+                    what: format!("{name} {index} does not exist: the file has {count}"),
+                });
             }
         }
         self.groups.retain(|group| !group.faces.is_empty());
@@ -232,13 +251,15 @@ mod tests {
     fn faces_are_gathered_by_material_in_order_of_first_use() {
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl none of it\nusemtl b\nf 1 2 3\nusemtl\ta b\nf 2 1 3 \n\
                     usemtl b\nf 3 2 1\nl 1 2 3\nf 1 2\n";
-        let expected = [(NO_MATERIAL, "f 1 2 3\n"), ("b", "f 1 2 3\nf 3 2 1\n"), ("a b", "f 2 1 3\n")];
+        let expected =
+            [(NO_MATERIAL, "f 1 2 3\n"), ("b", "f 1 2 3\nf 3 2 1\n"), ("a b", "f 2 1 3\n")];
         assert_eq!(faces(text), expected.map(|(m, f)| (m.to_owned(), f.to_owned())));
     }
 
     #[test]
     fn relative_indices_count_from_the_line() {
-        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf -3//-1 -2//1 -1//-1\nv 5 5 5\nf -1 -2 -3\n";
+        let text =
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf -3//-1 -2//1 -1//-1\nv 5 5 5\nf -1 -2 -3\n";
         assert_eq!(faces(text)[0].1, "f 1//1 2//1 3//1\nf 4 3 2\n");
     }
 
@@ -249,16 +270,21 @@ mod tests {
 
     #[test]
     fn what_corners_have_is_known_by_material() {
-        let text =
-            "v 0 0 0\nvt 0 0\nvn 0 0 1\nusemtl a\nf 1/1/1 1/1/1 1/1/1\nf 1/1 1/1/1 1/1\nusemtl b\nf 1//1 1//1 1//1";
+        let text = "v 0 0 0\nvt 0 0\nvn 0 0 1\nusemtl a\nf 1/1/1 1/1/1 1/1/1\nf 1/1 1/1/1 1/1\nusemtl b\nf 1//1 1//1 1//1";
         let groups = parse(text).unwrap().groups;
-        assert_eq!(groups.iter().map(|g| g.has_texture_coordinates).collect::<Vec<_>>(), [true, false]);
+        assert_eq!(
+            groups.iter().map(|g| g.has_texture_coordinates).collect::<Vec<_>>(),
+            [true, false]
+        );
         assert_eq!(groups.iter().map(|g| g.has_normals).collect::<Vec<_>>(), [false, true]);
     }
 
     #[test]
     fn weights_colours_and_comments_are_left_out() {
-        assert_eq!(parse("v 1 2 3 1 0 0 # red\r\nvt 1 2 0\n# f 9 9 9").unwrap().vertices, "v 1 2 3\nvt 1 2\n");
+        assert_eq!(
+            parse("v 1 2 3 1 0 0 # red\r\nvt 1 2 0\n# f 9 9 9").unwrap().vertices,
+            "v 1 2 3\nvt 1 2\n"
+        );
     }
 
     #[test]
@@ -277,9 +303,20 @@ mod tests {
             error(&format!("{v}f 1 1 -2")),
             (2, "vertex -2 does not exist: there are 1 before this line".into())
         );
-        assert_eq!(error(&format!("{v}f 1 0 1")), (2, "vertex 0 does not exist: they are counted from 1".into()));
-        assert!(error(&format!("{v}f 1/1 1/1 1/1")).1.starts_with("texture coordinate 1 does not exist"));
-        assert!(error(&format!("{v}f 1//6148914691236517206 1 1")).1.starts_with("normal 6148914691236517206"));
+        assert_eq!(
+            error(&format!("{v}f 1 0 1")),
+            (2, "vertex 0 does not exist: they are counted from 1".into())
+        );
+        assert!(
+            error(&format!("{v}f 1/1 1/1 1/1"))
+                .1
+                .starts_with("texture coordinate 1 does not exist")
+        );
+        assert!(
+            error(&format!("{v}f 1//6148914691236517206 1 1"))
+                .1
+                .starts_with("normal 6148914691236517206")
+        );
         assert!(error(&format!("{v}f 1 1 99999999999999999999")).1.contains("is not the index"));
         assert!(error(&format!("{v}f 1 1 /1")).1.contains("not a corner"));
         assert!(error(&format!("{v}f 1 1 1///")).1.contains("not a corner"));

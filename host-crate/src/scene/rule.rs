@@ -50,7 +50,9 @@ enum MaterialKind {
 }
 
 /// An optional key; unlike serde's own `Option`, null does not stand for its absence.
-fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
+fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
     T::deserialize(deserializer).map(Some)
 }
 
@@ -59,15 +61,16 @@ impl TryFrom<MaterialKeys> for MaterialRule {
 
     fn try_from(keys: MaterialKeys) -> Result<Self, String> {
         let MaterialKeys { kind, reflectance, radiance, ior, transmittance } = keys;
-        let refuse = |kind: &str, extra: &[(&str, bool)]| match extra.iter().find(|(_, given)| *given) {
-            Some((key, _)) => Err(format!("{kind} material has no key `{key}`")),
-            None => Ok(()),
-        };
+        let refuse =
+            |kind: &str, extra: &[(&str, bool)]| match extra.iter().find(|(_, given)| *given) {
+                Some((key, _)) => Err(format!("{kind} material has no key `{key}`")),
+                None => Ok(()),
+            };
         let missing = |kind: &str, key: &str| format!("{kind} material needs the key `{key}`");
         let colour = |kind: &str, reflectance: Option<Albedo>| match reflectance {
-            Some(Albedo::Texture(_)) => {
-                Err(format!("reflectance: only a diffuse material can have a texture, not {kind} one"))
-            }
+            Some(Albedo::Texture(_)) => Err(format!(
+                "reflectance: only a diffuse material can have a texture, not {kind} one"
+            )),
             Some(Albedo::Colour(colour)) => Ok(Some(colour)),
             None => Ok(None),
         };
@@ -83,7 +86,9 @@ impl TryFrom<MaterialKeys> for MaterialRule {
             }
             MaterialKind::Mirror => {
                 refuse("a mirror", &[has_radiance, has_ior, has_transmittance])?;
-                colour("a mirror", reflectance)?.map(Self::Mirror).ok_or_else(|| missing("a mirror", "reflectance"))
+                colour("a mirror", reflectance)?
+                    .map(Self::Mirror)
+                    .ok_or_else(|| missing("a mirror", "reflectance"))
             }
             MaterialKind::Dielectric => {
                 refuse("a dielectric", &[has_radiance])?;
@@ -97,7 +102,8 @@ impl TryFrom<MaterialKeys> for MaterialRule {
                 refuse("an emissive", &[has_ior, has_transmittance])?;
                 Ok(Self::Emissive {
                     radiance: radiance.ok_or_else(|| missing("an emissive", "radiance"))?,
-                    reflectance: colour("an emissive", reflectance)?.unwrap_or(Reflectance(glam::Vec3::ZERO)),
+                    reflectance: colour("an emissive", reflectance)?
+                        .unwrap_or(Reflectance(glam::Vec3::ZERO)),
                 })
             }
             MaterialKind::Null => {
@@ -120,7 +126,8 @@ impl<'de> Deserialize<'de> for Albedo {
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Albedo, A::Error> {
-                Reflectance::deserialize(value::SeqAccessDeserializer::new(values)).map(Albedo::Colour)
+                Reflectance::deserialize(value::SeqAccessDeserializer::new(values))
+                    .map(Albedo::Colour)
             }
 
             fn visit_map<A: MapAccess<'de>>(self, keys: A) -> Result<Albedo, A::Error> {

@@ -59,12 +59,18 @@ const SHIPPED: [ShippedScene; 6] = [
     ShippedScene {
         name: "sibenik",
         description: "Nave of the cathedral of Sibenik under four lamps, textured",
-        geometry: SceneGeometry::Download { url: ARCHIVE, credits: "(c) 2002 Marko Dabrovic, CC BY-NC" },
+        geometry: SceneGeometry::Download {
+            url: ARCHIVE,
+            credits: "(c) 2002 Marko Dabrovic, CC BY-NC",
+        },
     },
     ShippedScene {
         name: "conference",
         description: "Conference room under eight ceiling lamps",
-        geometry: SceneGeometry::Download { url: ARCHIVE, credits: "Anat Grynberg and Greg Ward, public domain" },
+        geometry: SceneGeometry::Download {
+            url: ARCHIVE,
+            credits: "Anat Grynberg and Greg Ward, public domain",
+        },
     },
 ];
 
@@ -77,7 +83,8 @@ pub fn shipped() -> &'static [ShippedScene] {
 ///
 /// # Errors
 ///
-/// When there is no such scene, or when its geometry must be fetched first and `SCENES_DIR` does not lead to it.
+/// When there is no such scene, or when its geometry must be fetched first and `SCENES_DIR` does
+/// not lead to it.
 pub fn load_named(name: &str) -> Result<Scene, SceneError> {
     if SHIPPED.iter().any(|scene| scene.name == name) {
         load_from(&BuiltIn, &Path::new(ROOT).join(name).join(name).with_extension("json"))
@@ -118,7 +125,8 @@ built_in![
     "conference/conference.json",
 ];
 
-/// The files that are part of the program; then those of the disk, relative to the working directory.
+/// The files that are part of the program; then those of the disk, relative to the working
+/// directory.
 struct BuiltIn;
 
 impl Source for BuiltIn {

@@ -38,7 +38,8 @@ fn entry_in_any_case(folder: &Path, name: Component<'_>) -> Option<PathBuf> {
     let wanted = name.as_os_str().to_str()?.to_lowercase();
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let entries = std::fs::read_dir(here).ok()?.flatten();
-    let alike = entries.filter(|entry| entry.file_name().to_str().is_some_and(|n| n.to_lowercase() == wanted));
+    let alike = entries
+        .filter(|entry| entry.file_name().to_str().is_some_and(|n| n.to_lowercase() == wanted));
     alike.map(|entry| folder.join(entry.file_name())).min()
 }
 
@@ -47,8 +48,12 @@ pub(super) fn portable(name: &str) -> PathBuf {
     PathBuf::from(name.replace('\\', "/"))
 }
 
-/// Replaces `$NAME` and `${NAME}` by what `lookup` knows; the error is the first name that it does not know.
-pub(super) fn expand(text: &str, lookup: impl Fn(&str) -> Option<String>) -> Result<String, String> {
+/// Replaces `$NAME` and `${NAME}` by what `lookup` knows; the error is the first name that it does
+/// not know.
+pub(super) fn expand(
+    text: &str,
+    lookup: impl Fn(&str) -> Option<String>,
+) -> Result<String, String> {
     let mut expanded = String::new();
     let mut rest = text;
     while let Some(dollar) = rest.find('$') {
@@ -56,7 +61,9 @@ pub(super) fn expand(text: &str, lookup: impl Fn(&str) -> Option<String>) -> Res
         let after = &rest[dollar + 1..];
         let braced = after.strip_prefix('{').and_then(|inner| inner.split_once('}'));
         let (name, next) = braced.unwrap_or_else(|| {
-            after.split_at(after.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(after.len()))
+            after.split_at(
+                after.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(after.len()),
+            )
         });
         if name.is_empty() {
             expanded.push('$');

@@ -1,9 +1,9 @@
-//! Textures, decoded into one buffer in the layout of [`raystream_shaders::texture`].
+//! Textures, decoded into one buffer in the layout of [`raystream_shaders::scene::texture`].
 
 use super::SceneError;
 use super::source::Source;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
-use raystream_shaders::texture::DECODE_WORDS;
+use raystream_shaders::scene::texture::DECODE_WORDS;
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,10 @@ pub(super) struct Textures {
 impl Textures {
     /// No textures yet, only the sRGB table.
     pub(super) fn new() -> Self {
-        Self { words: (0..DECODE_WORDS).map(|code| srgb_to_linear(code).to_bits()).collect(), loaded: HashMap::new() }
+        Self {
+            words: (0..DECODE_WORDS).map(|code| srgb_to_linear(code).to_bits()).collect(),
+            loaded: HashMap::new(),
+        }
     }
 
     /// The index of the texture in a picture file, which is read on the first call.
@@ -53,7 +56,8 @@ impl Textures {
 fn decode(path: &Path, bytes: Vec<u8>) -> Result<image::RgbaImage, SceneError> {
     let fail = |source: ImageError| SceneError::Texture { path: path.to_owned(), source };
     // By content; by name only what has no signature (TGA).
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| fail(e.into()))?;
+    let mut reader =
+        ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| fail(e.into()))?;
     if let (None, Ok(format)) = (reader.format(), ImageFormat::from_path(path)) {
         reader.set_format(format);
     }
@@ -79,7 +83,7 @@ fn srgb_to_linear(code: u32) -> f32 {
 mod tests {
     use super::*;
     use crate::scene::source::Disk;
-    use raystream_shaders::texture::TextureView;
+    use raystream_shaders::scene::texture::TextureView;
 
     #[test]
     fn texels_are_found_where_the_kernels_look() {

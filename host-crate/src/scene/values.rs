@@ -14,7 +14,8 @@ pub(super) const MAX_FILM_SIDE: u32 = 16_384;
 /// Indices of refraction lie between the inverse of this and this.
 pub(super) const MAX_IOR: f64 = 100.0;
 
-/// What is written as an object `{...}`; for structs alone, serde takes an array of the values as well.
+/// What is written as an object `{...}`; for structs alone, serde takes an array of the values as
+/// well.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Object<T>(pub T);
 
@@ -88,7 +89,11 @@ impl TryFrom<f64> for Ior {
     fn try_from(value: f64) -> Result<Self, String> {
         let allowed = MAX_IOR.recip()..=MAX_IOR;
         let bounds = format!("from {} to {}", allowed.start(), allowed.end());
-        if allowed.contains(&value) { Ok(Self(value as f32)) } else { Err(format!("must be {bounds}, is {value}")) }
+        if allowed.contains(&value) {
+            Ok(Self(value as f32))
+        } else {
+            Err(format!("must be {bounds}, is {value}"))
+        }
     }
 }
 
@@ -120,7 +125,8 @@ impl TryFrom<i64> for FilmSide {
 
     fn try_from(value: i64) -> Result<Self, String> {
         let side = u32::try_from(value).ok().filter(|side| (1..=MAX_FILM_SIDE).contains(side));
-        side.map(Self).ok_or_else(|| format!("must be from 1 to {MAX_FILM_SIDE} pixels, is {value}"))
+        side.map(Self)
+            .ok_or_else(|| format!("must be from 1 to {MAX_FILM_SIDE} pixels, is {value}"))
     }
 }
 
@@ -144,7 +150,9 @@ fn triple(values: Vec<f64>, allowed: std::ops::RangeInclusive<f64>) -> Result<DV
         return Err(format!("must be three numbers, has {}", values.len()));
     };
     match values.iter().find(|value| !allowed.contains(value)) {
-        Some(value) => Err(format!("must be from {} to {}, has {value}", allowed.start(), allowed.end())),
+        Some(value) => {
+            Err(format!("must be from {} to {}, has {value}", allowed.start(), allowed.end()))
+        }
         None => Ok(DVec3::new(x, y, z)),
     }
 }

@@ -7,9 +7,11 @@ use crate::film::Film;
 use crate::render::{IntegratorKind, PreparedScene, Renderer, Sampling, Settings};
 use glam::Vec3;
 
-/// Standard errors by which the mean of a uniform render may be off: one false alarm in two million.
+/// Standard errors by which the mean of a uniform render may be off: one false alarm in two
+/// million.
 pub const LIMIT: f64 = 5.0;
-/// The same where the standard error is that of the spread of [`ROUNDS`] rounds: by Student's t distribution of 31 degrees of freedom.
+/// The same where the standard error is that of the spread of [`ROUNDS`] rounds: by Student's t
+/// distribution of 31 degrees of freedom.
 pub const LIMIT_BY_SPREAD: f64 = 6.27;
 /// Rounds whose spread is measured.
 pub const ROUNDS: u32 = 32;
@@ -24,8 +26,9 @@ const SPREAD_SEED: u32 = 0x7370_7264;
 
 /// How much the mean radiance of rounds varies, where the samples of a round share light paths.
 ///
-/// The film's variances are those of pixels by themselves: light paths that are a little too bright make all pixels of their round too bright. So the
-/// error of the mean is taken from whole rounds, which are independent of each other.
+/// The film's variances are those of pixels by themselves: light paths that are a little too bright
+/// make all pixels of their round too bright. So the error of the mean is taken from whole rounds,
+/// which are independent of each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Spread {
     /// Variance of the sum of all pixels, each the mean of a round's samples and of its components.
@@ -37,8 +40,8 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Renders [`ROUNDS`] rounds uniformly with `settings`, as long as those of a uniform render (at most of 16 samples per pixel). Nothing if its samples are
-    /// independent.
+    /// Renders [`ROUNDS`] rounds uniformly with `settings`, as long as those of a uniform render
+    /// (at most of 16 samples per pixel). Nothing if its samples are independent.
     pub fn measure<E: Executor>(
         executor: &E,
         scene: &PreparedScene,
@@ -61,8 +64,9 @@ impl Spread {
 
     /// An upper bound for the variance of the sum of all pixels of a render of `samples` per pixel.
     ///
-    /// That of a round of `n` samples is `a / n + b`, where `a` is due to what its samples have each for themselves. With rounds of at most `m` samples, that of
-    /// `N` samples is at most `(a + b m) / N`, which for `m` beyond `n` is less than `(a / n + b) m / N`.
+    /// That of a round of `n` samples is `a / n + b`, where `a` is due to what its samples have
+    /// each for themselves. With rounds of at most `m` samples, that of `N` samples is at most `(a
+    /// + b m) / N`, which for `m` beyond `n` is less than `(a / n + b) m / N`.
     fn of_mean(&self, samples: f64) -> f64 {
         let together = f64::from(self.shared).min(samples).max(f64::from(self.samples));
         self.variance * together / samples
@@ -92,12 +96,15 @@ impl Deviation {
     }
 }
 
-/// The difference of the means of `film`, a uniform render of `samples` per pixel by `integrator`, and of the reference. `spread` is that of the integrator `lvc`, if
-/// either is by it and its samples share light paths.
+/// The difference of the means of `film`, a uniform render of `samples` per pixel by `integrator`,
+/// and of the reference. `spread` is that of the integrator `lvc`, if either is by it and its
+/// samples share light paths.
 ///
-/// The variance of both is taken from the reference: it has seen the rare bright paths that a short render may have missed, and
-/// then underestimates. Only where one of them is by `lvc` and the other by a path tracer (all others are alike), each has its own. A path's components are taken to vary together,
-/// which cannot underestimate. For `lvc` the spread of rounds counts, where it is larger.
+/// The variance of both is taken from the reference: it has seen the rare bright paths that a short
+/// render may have missed, and then underestimates. Only where one of them is by `lvc` and the
+/// other by a path tracer (all others are alike), each has its own. A path's components are taken
+/// to vary together, which cannot underestimate. For `lvc` the spread of rounds counts, where it is
+/// larger.
 pub fn mean_difference(
     film: &Film,
     samples: f64,
@@ -106,10 +113,11 @@ pub fn mean_difference(
     spread: Option<Spread>,
 ) -> Deviation {
     let is_lvc = |integrator| integrator == IntegratorKind::Lvc;
-    let with_spread = |variance: f64, samples, integrator| match spread.filter(|_| is_lvc(integrator)) {
-        Some(spread) => spread.of_mean(samples).max(variance),
-        None => variance,
-    };
+    let with_spread =
+        |variance: f64, samples, integrator| match spread.filter(|_| is_lvc(integrator)) {
+            Some(spread) => spread.of_mean(samples).max(variance),
+            None => variance,
+        };
     let reference_samples = f64::from(reference.samples);
     let of_reference = variance_of_sum(&reference.variance);
     let of_film = if is_lvc(integrator) == is_lvc(reference.integrator) {
@@ -117,8 +125,8 @@ pub fn mean_difference(
     } else {
         variance_of_sum(&film.variance())
     };
-    let variance =
-        with_spread(of_reference, reference_samples, reference.integrator) + with_spread(of_film, samples, integrator);
+    let variance = with_spread(of_reference, reference_samples, reference.integrator)
+        + with_spread(of_film, samples, integrator);
     let pairs = film.color().into_iter().zip(&reference.image.pixels);
     let difference: f64 = pairs.map(|(t, &r)| gray(t) - gray(r)).sum();
     let sum: f64 = reference.image.pixels.iter().map(|&r| gray(r)).sum();
@@ -130,7 +138,8 @@ pub fn mean_difference(
     }
 }
 
-/// The variance of the sum over pixels of the mean of their components, of the variances of independent pixels.
+/// The variance of the sum over pixels of the mean of their components, of the variances of
+/// independent pixels.
 fn variance_of_sum(variance: &[Vec3]) -> f64 {
     variance.iter().map(|v| (v.as_dvec3().map(f64::sqrt).element_sum() / 3.0).powi(2)).sum()
 }
@@ -147,7 +156,8 @@ mod tests {
     use IntegratorKind::{Lvc, Megakernel, Streaming};
     use raystream_shaders::film::FilmPixel;
 
-    /// 100 pixels of mean `value` by 9 samples, whose variance is 0.36 each, and so 0.04 * 9 / 8 = 0.045 that of their means.
+    /// 100 pixels of mean `value` by 9 samples, whose variance is 0.36 each, and so 0.04 * 9 / 8 =
+    /// 0.045 that of their means.
     fn film(value: f32) -> Film {
         let pixel = FilmPixel {
             sum: Vec3::splat(9.0 * value),
@@ -155,25 +165,44 @@ mod tests {
             sum_of_squares: Vec3::splat(9.0 * (value * value + 0.36)),
             ..Default::default()
         };
-        Film { width: 10, height: 10, radiance: vec![pixel; 100], features: Vec::new(), estimates: None }
+        Film {
+            width: 10,
+            height: 10,
+            radiance: vec![pixel; 100],
+            features: Vec::new(),
+            estimates: None,
+        }
     }
 
-    /// One of 90 samples whose means of pixels have variance 0.01: 0.9 with one sample and 0.1 with nine.
+    /// One of 90 samples whose means of pixels have variance 0.01: 0.9 with one sample and 0.1 with
+    /// nine.
     fn reference(integrator: IntegratorKind) -> Reference {
         let image = ColorImage { width: 10, height: 10, pixels: vec![Vec3::ONE; 100] };
-        Reference { image, variance: vec![Vec3::splat(0.01); 100], difference: Vec::new(), samples: 90, integrator }
+        Reference {
+            image,
+            variance: vec![Vec3::splat(0.01); 100],
+            difference: Vec::new(),
+            samples: 90,
+            integrator,
+        }
     }
 
-    /// Asserts that a mean 10 % off is so many standard errors off as the two variances of pixels' means say.
+    /// Asserts that a mean 10 % off is so many standard errors off as the two variances of pixels'
+    /// means say.
     fn assert_errors(deviation: Deviation, of_film: f64, of_reference: f64, limit: f64) {
         let expected = 0.1 * 100.0 / (((of_film + of_reference) * 100.0).sqrt() + 1e-3);
-        assert!((deviation.errors / expected - 1.0).abs() < 1e-5, "{deviation:?} is not {expected}");
+        assert!(
+            (deviation.errors / expected - 1.0).abs() < 1e-5,
+            "{deviation:?} is not {expected}"
+        );
         assert_eq!(deviation.limit, limit);
     }
 
     #[test]
     fn counts_in_standard_errors_of_the_difference() {
-        let of = |value, integrator| mean_difference(&film(value), 9.0, integrator, &reference(Streaming), None);
+        let of = |value, integrator| {
+            mean_difference(&film(value), 9.0, integrator, &reference(Streaming), None)
+        };
         // All path tracers are alike.
         assert_errors(of(1.1, Streaming), 0.1, 0.01, LIMIT);
         assert_errors(of(1.1, Megakernel), 0.1, 0.01, LIMIT);
@@ -186,7 +215,8 @@ mod tests {
 
     #[test]
     fn rounds_that_share_light_paths_have_the_error_of_their_spread() {
-        // Rounds of 3 samples whose means vary by 3: those of 9 samples by 1 and those of 90 by 0.1.
+        // Rounds of 3 samples whose means vary by 3: those of 9 samples by 1 and those of 90 by
+        // 0.1.
         let spread = Some(Spread { variance: 300.0, samples: 3, shared: 3 });
         let of = |integrator, of_reference, spread| {
             mean_difference(&film(1.1), 9.0, integrator, &reference(of_reference), spread)

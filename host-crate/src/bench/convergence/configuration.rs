@@ -23,8 +23,8 @@ impl Configuration {
         Self { integrator, allocator, estimator, relative }
     }
 
-    /// For each integrator uniform sampling first, then every combination of the other three lists; each once. So the first of all is what all are
-    /// measured against.
+    /// For each integrator uniform sampling first, then every combination of the other three lists;
+    /// each once. So the first of all is what all are measured against.
     pub fn combinations(
         integrators: &[IntegratorKind],
         allocators: &[AllocatorKind],
@@ -37,8 +37,12 @@ impl Configuration {
             .flat_map(|way| relative.iter().map(move |&relative| (way, relative)))
             .collect();
         each_once(integrators.iter().flat_map(|&integrator| {
-            let with =
-                move |&((allocator, estimator), relative): &_| Self { integrator, allocator, estimator, relative };
+            let with = move |&((allocator, estimator), relative): &_| Self {
+                integrator,
+                allocator,
+                estimator,
+                relative,
+            };
             std::iter::once(Self::uniform(integrator)).chain(ways.iter().map(with))
         }))
     }
@@ -57,7 +61,8 @@ impl Configuration {
         format!("{}-{}{measure}", value_name(&self.allocator), value_name(&self.estimator))
     }
 
-    /// What it is called among `all`: `runs-bilateral` where all have one integrator, else `lvc-runs-bilateral`.
+    /// What it is called among `all`: `runs-bilateral` where all have one integrator, else
+    /// `lvc-runs-bilateral`.
     pub fn name_among(self, all: &[Self]) -> String {
         if all.iter().all(|other| other.integrator == self.integrator) {
             return self.sampling_name();
@@ -67,8 +72,12 @@ impl Configuration {
 
     /// `settings` with this configuration's choices; `base` says what else there is to sampling.
     pub fn settings(self, settings: &Settings, base: Sampling) -> Settings {
-        let sampling =
-            Sampling { allocator: self.allocator, estimator: self.estimator, relative: self.relative, ..base };
+        let sampling = Sampling {
+            allocator: self.allocator,
+            estimator: self.estimator,
+            relative: self.relative,
+            ..base
+        };
         Settings { integrator: self.integrator, sampling, ..*settings }
     }
 }

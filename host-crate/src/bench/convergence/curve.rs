@@ -22,8 +22,8 @@ pub struct Point {
     pub errors: Errors,
 }
 
-/// Samples per pixel at which to measure: 1, and on by factors of the square root of 2 to `last`, with all of `extra` up to
-/// there; rising, each once.
+/// Samples per pixel at which to measure: 1, and on by factors of the square root of 2 to `last`,
+/// with all of `extra` up to there; rising, each once.
 pub fn checkpoints(last: u32, extra: &[u32]) -> Vec<u32> {
     let mut all: Vec<u32> = (0..)
         .map(|k| 2.0_f64.powf(f64::from(k) / 2.0).round() as u32)
@@ -36,12 +36,14 @@ pub fn checkpoints(last: u32, extra: &[u32]) -> Vec<u32> {
     all
 }
 
-/// The curve of several repetitions: errors as root of the mean of squares (means, where they are squares or ratios), times as
-/// medians. Checkpoints that some repetition jumped over are left out.
+/// The curve of several repetitions: errors as root of the mean of squares (means, where they are
+/// squares or ratios), times as medians. Checkpoints that some repetition jumped over are left out.
 pub fn aggregate(repetitions: &[Vec<Point>]) -> Vec<Point> {
     let Some((first, others)) = repetitions.split_first() else { return Vec::new() };
     let at_checkpoint = |point: &Point| {
-        let others = others.iter().map(|points| points.iter().find(|p| p.checkpoint == point.checkpoint).copied());
+        let others = others
+            .iter()
+            .map(|points| points.iter().find(|p| p.checkpoint == point.checkpoint).copied());
         std::iter::once(Some(*point)).chain(others).collect::<Option<Vec<Point>>>()
     };
     first.iter().filter_map(at_checkpoint).map(|points| average(&points)).collect()
@@ -49,7 +51,8 @@ pub fn aggregate(repetitions: &[Vec<Point>]) -> Vec<Point> {
 
 /// `points` of one checkpoint, at least one.
 fn average(points: &[Point]) -> Point {
-    let mean = |value: &dyn Fn(&Point) -> f64| points.iter().map(value).sum::<f64>() / points.len() as f64;
+    let mean =
+        |value: &dyn Fn(&Point) -> f64| points.iter().map(value).sum::<f64>() / points.len() as f64;
     let middle = |value: &dyn Fn(&Point) -> Duration| median(points.iter().map(value).collect());
     Point {
         checkpoint: points[0].checkpoint,
@@ -84,7 +87,12 @@ pub mod tests {
             wall: Duration::from_secs_f64(seconds),
             device: Timings::default(),
             rays: 0,
-            errors: Errors { rmse: error, trimmed_rmse: error, relative_mse: error * error, mean_ratio: 1.0 },
+            errors: Errors {
+                rmse: error,
+                trimmed_rmse: error,
+                relative_mse: error * error,
+                mean_ratio: 1.0,
+            },
         }
     }
 
@@ -97,7 +105,9 @@ pub mod tests {
 
     #[test]
     fn repetitions_become_one_curve() {
-        let run = |seconds: f64, error: f64| vec![point(1.0, seconds, error), point(2.0, 2.0 * seconds, error / 2.0)];
+        let run = |seconds: f64, error: f64| {
+            vec![point(1.0, seconds, error), point(2.0, 2.0 * seconds, error / 2.0)]
+        };
         let curve = aggregate(&[run(1.0, 3.0), run(9.0, 4.0), run(2.0, 5.0)]);
         assert_eq!(curve.len(), 2);
         assert_eq!(curve[0].wall, Duration::from_secs(2));

@@ -25,14 +25,15 @@ impl Errors {
     /// # Errors
     /// [`BenchError::Wrong`] if either has pixels that are not finite or the reference is black.
     pub fn of(test: &ColorImage, reference: &ColorImage) -> Result<Self, BenchError> {
-        let comparison = compare(test, reference, &ComparisonSettings { trim: TRIM, ..Default::default() })?;
+        let comparison =
+            compare(test, reference, &ComparisonSettings { trim: TRIM, ..Default::default() })?;
         let non_finite = comparison.non_finite_test + comparison.non_finite_reference;
         if non_finite > 0 {
             return Err(BenchError::Wrong(format!("{non_finite} pixels are not finite")));
         }
-        let mean_ratio = comparison
-            .ratio
-            .ok_or_else(|| BenchError::Wrong("the reference is black: nothing lights what the camera sees".into()))?;
+        let mean_ratio = comparison.ratio.ok_or_else(|| {
+            BenchError::Wrong("the reference is black: nothing lights what the camera sees".into())
+        })?;
         let mut squares = squared_errors(test, reference);
         Ok(Self {
             rmse: comparison.rmse,
@@ -61,7 +62,8 @@ mod tests {
     #[test]
     fn the_worst_thousandth_is_left_out() {
         let reference = image(|_| Vec3::ONE);
-        let test = image(|i| if i == 7 || i == 900 { Vec3::splat(1e3) } else { Vec3::new(1.0, 1.0, 4.0) });
+        let test =
+            image(|i| if i == 7 || i == 900 { Vec3::splat(1e3) } else { Vec3::new(1.0, 1.0, 4.0) });
         let errors = Errors::of(&test, &reference).unwrap();
         assert!((errors.trimmed_rmse - 3.0_f64.sqrt()).abs() < 1e-6, "{errors:?}");
         assert!(errors.rmse > 30.0);

@@ -12,7 +12,8 @@ pub struct Speedup {
     pub baseline: String,
     /// Which error.
     pub metric: Metric,
-    /// Samples per pixel with which uniform sampling has that error: the baseline or, where that is `atomic`, uniform sampling with its integrator.
+    /// Samples per pixel with which uniform sampling has that error: the baseline or, where that is
+    /// `atomic`, uniform sampling with its integrator.
     pub uniform_samples: u32,
     /// The error.
     pub error: f64,
@@ -49,7 +50,8 @@ pub struct EqualTime {
     pub error_ratio: Option<f64>,
 }
 
-/// The smallest speed-up over uniform sampling at any of its checkpoints with less error than after 16 samples.
+/// The smallest speed-up over uniform sampling at any of its checkpoints with less error than after
+/// 16 samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Smallest {
     /// Name of the configuration.

@@ -26,7 +26,10 @@ impl Identity {
             pair("size", format!("{}x{}", settings.size.width, settings.size.height)),
             pair("samples", samples.to_string()),
             pair("seed", settings.seed.to_string()),
-            pair("sampler", if settings.independent_sampler { "independent" } else { "sobol" }.into()),
+            pair(
+                "sampler",
+                if settings.independent_sampler { "independent" } else { "sobol" }.into(),
+            ),
             pair("max_depth", settings.max_depth.to_string()),
             pair("rr_depth", settings.roulette_depth.to_string()),
             pair("techniques", techniques.into()),
@@ -46,7 +49,8 @@ impl Identity {
         differing.map(|(name, _)| name.as_str()).collect()
     }
 
-    /// Twelve digits that tell pictures apart, in file names; renders by other kernels share them, and replace each other.
+    /// Twelve digits that tell pictures apart, in file names; renders by other kernels share them,
+    /// and replace each other.
     pub fn short(&self) -> String {
         let mut hasher = Sha256::new();
         for (name, value) in self.0.iter().filter(|(name, _)| name != "kernels") {
@@ -56,7 +60,8 @@ impl Identity {
     }
 }
 
-/// A digest of what is in a scene: geometry, materials, textures and camera. Its name and its limits are not.
+/// A digest of what is in a scene: geometry, materials, textures and camera. Its name and its
+/// limits are not.
 fn scene_digest(scene: &Scene) -> String {
     let mut hasher = Sha256::new();
     for triangle in &scene.triangles {
@@ -65,7 +70,8 @@ fn scene_digest(scene: &Scene) -> String {
     hasher.update(bytemuck::cast_slice(&scene.attributes));
     hasher.update(bytemuck::cast_slice(&scene.materials));
     hasher.update(bytemuck::cast_slice(&scene.texels));
-    let lengths = [scene.triangles.len(), scene.attributes.len(), scene.materials.len(), scene.texels.len()];
+    let lengths =
+        [scene.triangles.len(), scene.attributes.len(), scene.materials.len(), scene.texels.len()];
     lengths.iter().for_each(|&length| hasher.update((length as u64).to_le_bytes()));
     let camera = &scene.camera;
     for vector in [camera.origin, camera.target, camera.up] {
@@ -154,10 +160,14 @@ mod tests {
     #[test]
     fn the_light_cache_counts_for_its_integrator_alone() {
         let scene = embedded().unwrap();
-        let light_cache = LightCacheSettings { connections: Some(3), ..LightCacheSettings::default() };
-        for integrator in [IntegratorKind::Megakernel, IntegratorKind::Streaming, IntegratorKind::Lvc] {
+        let light_cache =
+            LightCacheSettings { connections: Some(3), ..LightCacheSettings::default() };
+        for integrator in
+            [IntegratorKind::Megakernel, IntegratorKind::Streaming, IntegratorKind::Lvc]
+        {
             let plain = Identity::new(&scene, &Settings { integrator, ..settings() }, 64);
-            let other = Identity::new(&scene, &Settings { integrator, light_cache, ..settings() }, 64);
+            let other =
+                Identity::new(&scene, &Settings { integrator, light_cache, ..settings() }, 64);
             assert_eq!(plain != other, integrator == IntegratorKind::Lvc, "{integrator:?}");
         }
     }

@@ -1,4 +1,5 @@
-//! Between the points of a falling curve: straight lines in log-log scale, and never beyond its ends.
+//! Between the points of a falling curve: straight lines in log-log scale, and never beyond its
+//! ends.
 
 /// Where a curve falls to a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,8 +31,8 @@ impl Crossing {
     }
 }
 
-/// The place from which on `curve` (points (x, y) by rising x) stays at or below `level`: its last crossing, so that a lucky dip
-/// does not count.
+/// The place from which on `curve` (points (x, y) by rising x) stays at or below `level`: its last
+/// crossing, so that a lucky dip does not count.
 ///
 /// Only points with both numbers above 0 count.
 pub fn crossing(curve: &[(f64, f64)], level: f64) -> Crossing {
@@ -52,7 +53,8 @@ pub fn crossing(curve: &[(f64, f64)], level: f64) -> Crossing {
     }
 }
 
-/// The height of `curve` (points (x, y) by rising x) at `x`; nothing before its first and after its last point.
+/// The height of `curve` (points (x, y) by rising x) at `x`; nothing before its first and after its
+/// last point.
 pub fn height(curve: &[(f64, f64)], x: f64) -> Option<f64> {
     let points = positive(curve);
     let after = points.iter().position(|&(right, _)| right >= x)?;

@@ -1,8 +1,11 @@
-//! Adaptive against uniform sampling, and integrators against each other: error over time, where the time goes, and what is gained.
+//! Adaptive against uniform sampling, and integrators against each other: error over time, where
+//! the time goes, and what is gained.
 //!
-//! [`measure`] renders a scene in every [`Configuration`] and records error and time at [`checkpoints`]; [`write_scene`]
-//! sets the curves against that of uniform sampling with the first integrator, and those of each other integrator against uniform sampling with it, at equal error and at equal
-//! time, and writes tables, plots and pictures. Errors are against a [`Reference`] with seeds of its own.
+//! [`measure`] renders a scene in every [`Configuration`] and records error and time at
+//! [`checkpoints`]; [`write_scene`] sets the curves against that of uniform sampling with the first
+//! integrator, and those of each other integrator against uniform sampling with it, at equal error
+//! and at equal time, and writes tables, plots and pictures. Errors are against a [`Reference`]
+//! with seeds of its own.
 
 mod check;
 mod configuration;
@@ -38,14 +41,16 @@ use std::collections::BTreeMap;
 /// What to measure.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// What to set against each other, see [`Configuration::combinations`]: uniform sampling with the first integrator comes first, and with each of the others
-    /// before what is measured against it.
+    /// What to set against each other, see [`Configuration::combinations`]: uniform sampling with
+    /// the first integrator comes first, and with each of the others before what is measured
+    /// against it.
     pub configurations: Vec<Configuration>,
     /// What the configurations leave open.
     pub base: Sampling,
     /// Samples per pixel at which to measure, rising; all of `levels` among them.
     pub checkpoints: Vec<u32>,
-    /// Samples per pixel of uniform sampling whose error and time the others are compared at; rising, at least one.
+    /// Samples per pixel of uniform sampling whose error and time the others are compared at;
+    /// rising, at least one.
     pub levels: Vec<u32>,
     /// Renders of each configuration, with seeds one after the other; at least 1.
     pub repetitions: u32,
@@ -53,7 +58,12 @@ pub struct Plan {
 
 impl Plan {
     /// The settings of a repetition.
-    fn settings(&self, settings: &Settings, configuration: Configuration, repetition: u32) -> Settings {
+    fn settings(
+        &self,
+        settings: &Settings,
+        configuration: Configuration,
+        repetition: u32,
+    ) -> Settings {
         let seed = settings.seed.wrapping_add(repetition);
         configuration.settings(&Settings { seed, ..*settings }, self.base)
     }
@@ -98,8 +108,9 @@ impl Measurement {
 /// Measures a scene in all configurations of `plan`. `say` is told what happens.
 ///
 /// # Errors
-/// [`BenchError::Wrong`] if the mean of a uniform render differs from that of the reference by more than its standard
-/// errors allow. With the integrator `lvc`, whose samples share light paths, the standard error is that of the spread of some rounds, which are rendered for that alone. Adaptive
+/// [`BenchError::Wrong`] if the mean of a uniform render differs from that of the reference by more
+/// than its standard errors allow. With the integrator `lvc`, whose samples share light paths, the
+/// standard error is that of the spread of some rounds, which are rendered for that alone. Adaptive
 /// sampling has a bias of its own: there it is a warning.
 pub fn measure<E: Executor>(
     executor: &E,
@@ -111,10 +122,18 @@ pub fn measure<E: Executor>(
 ) -> Result<Measurement, BenchError> {
     let integrators = plan.integrators();
     let uniform = |integrator| Settings { integrator, sampling: Sampling::UNIFORM, ..*settings };
-    let by_lvc = integrators.iter().chain([&reference.integrator]).any(|&i| i == IntegratorKind::Lvc);
-    let spread = if by_lvc { Spread::measure(executor, scene, &uniform(IntegratorKind::Lvc))? } else { None };
-    let names: Vec<String> =
-        plan.configurations.iter().map(|configuration| configuration.name_among(&plan.configurations)).collect();
+    let by_lvc =
+        integrators.iter().chain([&reference.integrator]).any(|&i| i == IntegratorKind::Lvc);
+    let spread = if by_lvc {
+        Spread::measure(executor, scene, &uniform(IntegratorKind::Lvc))?
+    } else {
+        None
+    };
+    let names: Vec<String> = plan
+        .configurations
+        .iter()
+        .map(|configuration| configuration.name_among(&plan.configurations))
+        .collect();
     for &configuration in &plan.configurations {
         rehearse(executor, scene, &plan.settings(settings, configuration, 0))?;
     }
@@ -131,7 +150,8 @@ pub fn measure<E: Executor>(
             let settings = plan.settings(settings, configuration, repetition);
             let mut renderer = Renderer::new(executor, scene, &settings)?;
             render_other(KEEP_WARM)?;
-            let recorded = record(&mut renderer, &settings, &plan.checkpoints, reference, repetition == 0)?;
+            let recorded =
+                record(&mut renderer, &settings, &plan.checkpoints, reference, repetition == 0)?;
             let Some(end) = recorded.points.last() else { continue };
             say(&format!(
                 "{}, {} of {}: {:.2} samples per pixel in {:.2} s, RMSE {:.3e}",
@@ -143,7 +163,13 @@ pub fn measure<E: Executor>(
                 end.errors.rmse
             ));
             if configuration.is_uniform() {
-                let off = mean_difference(&recorded.film, end.samples, configuration.integrator, reference, spread);
+                let off = mean_difference(
+                    &recorded.film,
+                    end.samples,
+                    configuration.integrator,
+                    reference,
+                    spread,
+                );
                 if off.is_wrong() {
                     return Err(BenchError::Wrong(format!(
                         "the mean of the uniform render ({}) with seed {} is {:.5} times the reference's, {:.1} standard errors off, of which {} are allowed",
@@ -165,9 +191,13 @@ pub fn measure<E: Executor>(
     render_other(KEEP_WARM)?;
     let mut uniform_rates = BTreeMap::new();
     for integrator in integrators {
-        let own = plan.configurations.iter().zip(&rounds).filter(|(c, _)| c.integrator == integrator);
+        let own =
+            plan.configurations.iter().zip(&rounds).filter(|(c, _)| c.integrator == integrator);
         let own: Vec<Round> = own.flat_map(|(_, rounds)| rounds).copied().collect();
-        uniform_rates.insert(integrator, UniformRates::measure(executor, scene, &uniform(integrator), &own)?);
+        uniform_rates.insert(
+            integrator,
+            UniformRates::measure(executor, scene, &uniform(integrator), &own)?,
+        );
     }
     let means = means.iter().map(|(&index, off)| mean_sentence(&names[index], off)).collect();
     let measured = plan.configurations.iter().zip(names).zip(curves.iter().zip(rounds));

@@ -34,9 +34,9 @@ pub struct Pictures {
 /// The share of uniform sampling's squared errors that the colour range spans.
 const RANGE: f64 = 0.99;
 
-/// Renders the pictures with the seed of the first repetition and writes them to `folder`: `<configuration>.png`,
-/// `<configuration>-error.png` (squared error, in one range of colours for all) and `reference.png`. Nothing if uniform sampling
-/// was not measured at the first level.
+/// Renders the pictures with the seed of the first repetition and writes them to `folder`:
+/// `<configuration>.png`, `<configuration>-error.png` (squared error, in one range of colours for
+/// all) and `reference.png`. Nothing if uniform sampling was not measured at the first level.
 pub fn write<E: Executor>(
     executor: &E,
     scene: &PreparedScene,
@@ -47,7 +47,8 @@ pub fn write<E: Executor>(
     folder: &Folder,
 ) -> Result<Option<Pictures>, BenchError> {
     let uniform = measurement.configurations.first().map_or(&[][..], |uniform| &uniform.curve);
-    let level = plan.levels.first().and_then(|&level| uniform.iter().find(|p| p.checkpoint == level));
+    let level =
+        plan.levels.first().and_then(|&level| uniform.iter().find(|p| p.checkpoint == level));
     let Some(level) = level else { return Ok(None) };
     let seconds = level.wall.as_secs_f64();
     write_png(&folder.file("reference.png"), &reference.image, &Display::default())?;
@@ -59,14 +60,22 @@ pub fn write<E: Executor>(
         let configuration = measured.configuration;
         let film = render_to(executor, scene, &plan.settings(settings, configuration, 0), samples)?;
         let image = ColorImage::from_film(&film);
-        let squares: Vec<f32> = squared_errors(&image, &reference.image).into_iter().map(|v| v as f32).collect();
+        let squares: Vec<f32> =
+            squared_errors(&image, &reference.image).into_iter().map(|v| v as f32).collect();
         // Uniform sampling comes first.
         let brightest = *brightest.get_or_insert_with(|| quantile(squares.clone(), RANGE));
         let name = measured.name.clone();
         write_png(&folder.file(&format!("{name}.png")), &image, &Display::default())?;
         let title = format!("{name}: squared error after {seconds:.3} s");
         let path = folder.file(&format!("{name}-error.png"));
-        write_color_map(&path, image.width, image.height, &squares, &title, Some((0.0, brightest)))?;
+        write_color_map(
+            &path,
+            image.width,
+            image.height,
+            &squares,
+            &title,
+            Some((0.0, brightest)),
+        )?;
         pictures.push(Picture { name, samples, errors: Errors::of(&image, &reference.image)? });
     }
     Ok(brightest.map(|brightest| Pictures { seconds, brightest, pictures }))
@@ -75,7 +84,10 @@ pub fn write<E: Executor>(
 /// The value below which the share `share` of `values` lies; 0 if there are none.
 fn quantile(mut values: Vec<f32>, share: f64) -> f32 {
     values.sort_by(f32::total_cmp);
-    values.get((values.len().saturating_sub(1) as f64 * share) as usize).copied().unwrap_or_default()
+    values
+        .get((values.len().saturating_sub(1) as f64 * share) as usize)
+        .copied()
+        .unwrap_or_default()
 }
 
 #[cfg(test)]

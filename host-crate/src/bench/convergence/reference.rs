@@ -4,8 +4,12 @@ use super::identity::{Identity, pixels_digest};
 use crate::bench::BenchError;
 use crate::exec::Executor;
 use crate::film::Film;
-use crate::image::{Channel, ColorImage, ImageError, LayeredImage, read_layers, read_settings, write_layers};
-use crate::render::{Budget, IntegratorKind, PreparedScene, Progress, Renderer, Sampling, Settings, run};
+use crate::image::{
+    Channel, ColorImage, ImageError, LayeredImage, read_layers, read_settings, write_layers,
+};
+use crate::render::{
+    Budget, IntegratorKind, PreparedScene, Progress, Renderer, Sampling, Settings, run,
+};
 use glam::Vec3;
 use std::path::Path;
 use std::time::Instant;
@@ -18,8 +22,8 @@ pub const REFERENCE_SEEDS: [u32; 2] = [0x7265_6665, 0x7265_6666];
 pub struct Reference {
     /// Mean radiance.
     pub image: ColorImage,
-    /// Variance of each pixel's mean, taking samples as independent: an upper bound where they are stratified. Errors of different pixels are independent,
-    /// too, unless the integrator is `lvc`.
+    /// Variance of each pixel's mean, taking samples as independent: an upper bound where they are
+    /// stratified. Errors of different pixels are independent, too, unless the integrator is `lvc`.
     pub variance: Vec<Vec3>,
     /// Half the difference of the two pictures, which errs as much as their mean does.
     pub difference: Vec<Vec3>,
@@ -30,8 +34,17 @@ pub struct Reference {
 }
 
 /// The channels that are stored.
-const CHANNELS: [&str; 9] =
-    ["R", "G", "B", "variance.R", "variance.G", "variance.B", "difference.R", "difference.G", "difference.B"];
+const CHANNELS: [&str; 9] = [
+    "R",
+    "G",
+    "B",
+    "variance.R",
+    "variance.G",
+    "variance.B",
+    "difference.R",
+    "difference.G",
+    "difference.B",
+];
 /// The header's key for the digest of the pixels.
 const PIXELS: &str = "pixels";
 
@@ -50,13 +63,20 @@ impl Reference {
         observe: &mut dyn FnMut(&Progress),
     ) -> Result<Self, BenchError> {
         let start = Instant::now();
-        let total_paths = Some(u64::from(samples) * u64::from(settings.size.width) * u64::from(settings.size.height));
+        let total_paths = Some(
+            u64::from(samples) * u64::from(settings.size.width) * u64::from(settings.size.height),
+        );
         let mut done = 0;
         let mut half = |seed, samples| -> Result<Film, BenchError> {
             let mut renderer = Renderer::new(executor, scene, &Settings { seed, ..*settings })?;
             let budget = Budget { samples: Some(samples), time: None };
             let outcome = run(&mut renderer, budget, &|| false, &mut |progress| {
-                observe(&Progress { paths: done + progress.paths, total_paths, elapsed: start.elapsed(), ..*progress });
+                observe(&Progress {
+                    paths: done + progress.paths,
+                    total_paths,
+                    elapsed: start.elapsed(),
+                    ..*progress
+                });
             })?;
             done += outcome.paths;
             Ok(renderer.film()?)
@@ -77,7 +97,12 @@ impl Reference {
                 height: first.height,
                 pixels: combine(first.color(), second.color(), share, 1.0 - share),
             },
-            variance: combine(first.variance(), second.variance(), share * share, (1.0 - share) * (1.0 - share)),
+            variance: combine(
+                first.variance(),
+                second.variance(),
+                share * share,
+                (1.0 - share) * (1.0 - share),
+            ),
             difference: combine(first.color(), second.color(), 0.5, -0.5),
             samples,
             integrator,
@@ -98,7 +123,10 @@ impl Reference {
             .enumerate()
             .map(|(i, name)| Channel {
                 name: (*name).to_owned(),
-                values: component([&self.image.pixels, &self.variance, &self.difference][i / 3], i % 3),
+                values: component(
+                    [&self.image.pixels, &self.variance, &self.difference][i / 3],
+                    i % 3,
+                ),
             })
             .collect();
         let image = LayeredImage { width: self.image.width, height: self.image.height, channels };
@@ -107,10 +135,12 @@ impl Reference {
         write_layers(path, &image, &header)
     }
 
-    /// Reads what [`Self::store`] wrote of a picture of `samples` per pixel by `integrator`; nothing if there is no such file.
+    /// Reads what [`Self::store`] wrote of a picture of `samples` per pixel by `integrator`;
+    /// nothing if there is no such file.
     ///
     /// # Errors
-    /// Why the file cannot be used: it cannot be read, is damaged, or is a picture of something else.
+    /// Why the file cannot be used: it cannot be read, is damaged, or is a picture of something
+    /// else.
     pub fn load(
         path: &Path,
         identity: &Identity,
@@ -129,7 +159,8 @@ impl Reference {
         if settings.get(PIXELS) != Some(&pixels_digest(&image)) {
             return Err("its pixels are damaged".into());
         }
-        let channel = |name: &str| image.channel(name).ok_or_else(|| format!("it has no channel {name}"));
+        let channel =
+            |name: &str| image.channel(name).ok_or_else(|| format!("it has no channel {name}"));
         let vectors = |names: &[&str]| -> Result<Vec<Vec3>, String> {
             let [x, y, z] = [channel(names[0])?, channel(names[1])?, channel(names[2])?];
             Ok(x.iter().zip(y).zip(z).map(|((&x, &y), &z)| Vec3::new(x, y, z)).collect())
@@ -152,7 +183,8 @@ mod tests {
     use super::*;
 
     fn reference() -> Reference {
-        let vectors = |scale: f32| (0..6).map(|i| Vec3::new(1.0, 2.0, 3.0) * scale * i as f32).collect();
+        let vectors =
+            |scale: f32| (0..6).map(|i| Vec3::new(1.0, 2.0, 3.0) * scale * i as f32).collect();
         Reference {
             image: ColorImage { width: 3, height: 2, pixels: vectors(0.5) },
             variance: vectors(0.1),
@@ -176,8 +208,19 @@ mod tests {
         // Means of 2 samples: 1 and 3, the samples of each 1 apart from their mean.
         let film = |mean: f32| {
             let sum_of_squares = Vec3::splat((mean - 1.0).powi(2) + (mean + 1.0).powi(2));
-            let pixel = FilmPixel { sum: Vec3::splat(2.0 * mean), samples: 2, sum_of_squares, ..Default::default() };
-            Film { width: 1, height: 1, radiance: vec![pixel], features: Vec::new(), estimates: None }
+            let pixel = FilmPixel {
+                sum: Vec3::splat(2.0 * mean),
+                samples: 2,
+                sum_of_squares,
+                ..Default::default()
+            };
+            Film {
+                width: 1,
+                height: 1,
+                radiance: vec![pixel],
+                features: Vec::new(),
+                estimates: None,
+            }
         };
         let reference = Reference::of_halves(&film(1.0), &film(3.0), 4, IntegratorKind::Lvc);
         assert_eq!(reference.image.pixels, [Vec3::splat(2.0)]);

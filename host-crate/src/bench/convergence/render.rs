@@ -22,12 +22,13 @@ pub struct Recorded {
     pub film: Film,
 }
 
-/// Has `renderer`, which has rendered nothing yet, render to the last of `checkpoints` (samples per pixel, rising) and records errors against `reference`; also every round, if
-/// `with_rounds`. Only the rounds themselves count as time, not the looking in between, and that is no more than reading the picture: a device that is left idle slows
-/// down.
+/// Has `renderer`, which has rendered nothing yet, render to the last of `checkpoints` (samples per
+/// pixel, rising) and records errors against `reference`; also every round, if `with_rounds`. Only
+/// the rounds themselves count as time, not the looking in between, and that is no more than
+/// reading the picture: a device that is left idle slows down.
 ///
-/// A uniform render stops at every checkpoint, an adaptive one takes its rounds as they come: what a round passes is measured
-/// after it. It ends early if no pixel wants samples any more.
+/// A uniform render stops at every checkpoint, an adaptive one takes its rounds as they come: what
+/// a round passes is measured after it. It ends early if no pixel wants samples any more.
 pub fn record<E: Executor>(
     renderer: &mut Renderer<'_, E>,
     settings: &Settings,
@@ -55,7 +56,12 @@ pub fn record<E: Executor>(
         }
         if with_rounds {
             let total = renderer.rays()?;
-            rounds.push(Round { paths: paths - before, rays: total - rays, timings, wall: elapsed });
+            rounds.push(Round {
+                paths: paths - before,
+                rays: total - rays,
+                timings,
+                wall: elapsed,
+            });
             rays = total;
         }
         let passed = checkpoints.partition_point(|&c| u64::from(c) * pixels <= paths);
@@ -71,7 +77,10 @@ pub fn record<E: Executor>(
             });
         }
     }
-    let points = looks.par_iter().map(|look| look.point(reference)).collect::<Result<Vec<_>, BenchError>>()?;
+    let points = looks
+        .par_iter()
+        .map(|look| look.point(reference))
+        .collect::<Result<Vec<_>, BenchError>>()?;
     if points.is_empty() {
         return Err(BenchError::Wrong("the render took no samples".into()));
     }
@@ -91,12 +100,24 @@ struct Look {
 impl Look {
     fn point(&self, reference: &Reference) -> Result<Point, BenchError> {
         let Self { checkpoint, samples, wall, device, rays, .. } = *self;
-        Ok(Point { checkpoint, samples, wall, device, rays, errors: Errors::of(&self.image, &reference.image)? })
+        Ok(Point {
+            checkpoint,
+            samples,
+            wall,
+            device,
+            rays,
+            errors: Errors::of(&self.image, &reference.image)?,
+        })
     }
 }
 
-/// A few short rounds, so that what happens once (compiling kernels, memory) happens before anything is measured.
-pub fn rehearse<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings) -> Result<(), BenchError> {
+/// A few short rounds, so that what happens once (compiling kernels, memory) happens before
+/// anything is measured.
+pub fn rehearse<E: Executor>(
+    executor: &E,
+    scene: &PreparedScene,
+    settings: &Settings,
+) -> Result<(), BenchError> {
     let mut renderer = Renderer::new(executor, scene, settings)?;
     let paths = 2 * u64::from(renderer.pixels());
     for _ in 0..3 {
@@ -106,8 +127,8 @@ pub fn rehearse<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Set
     Ok(())
 }
 
-/// Share of the samples that may be missing from a render to a given count: an allocator that hits its number only on average
-/// would otherwise end with ever smaller rounds.
+/// Share of the samples that may be missing from a render to a given count: an allocator that hits
+/// its number only on average would otherwise end with ever smaller rounds.
 const MISSING: f64 = 0.01;
 
 /// Renders until there are about `samples` per pixel.

@@ -15,8 +15,8 @@ use crate::bench::{About, BenchError, SceneReport, value_name};
 use crate::exec::Executor;
 use crate::render::{AllocatorKind, PreparedScene, Settings};
 
-/// Writes `curves.csv`, `rounds.csv`, `speedups.csv`, `equal_time.csv`, `smallest.csv`, the plots and the pictures of a scene to
-/// `folder`, and returns what to tell of it.
+/// Writes `curves.csv`, `rounds.csv`, `speedups.csv`, `equal_time.csv`, `smallest.csv`, the plots
+/// and the pictures of a scene to `folder`, and returns what to tell of it.
 #[allow(clippy::too_many_arguments)] // all that a measurement consists of
 pub fn write_scene<E: Executor>(
     executor: &E,
@@ -38,10 +38,20 @@ pub fn write_scene<E: Executor>(
     let breakdowns: Vec<(String, Breakdown)> = measurement
         .configurations
         .iter()
-        .filter_map(|m| Some((m.name.clone(), Breakdown::of(&m.rounds, measurement.uniform_rates(m)?))))
+        .filter_map(|m| {
+            Some((m.name.clone(), Breakdown::of(&m.rounds, measurement.uniform_rates(m)?)))
+        })
         .collect();
     write_plots(measurement, &breakdowns, about, folder)?;
-    let pictures = pictures::write(executor, scene, settings, plan, reference, measurement, &folder.folder(PICTURES)?)?;
+    let pictures = pictures::write(
+        executor,
+        scene,
+        settings,
+        plan,
+        reference,
+        measurement,
+        &folder.folder(PICTURES)?,
+    )?;
 
     let mut tables = about.heading();
     tables += &format!(
@@ -94,7 +104,8 @@ fn write_plots(
         })
         .collect();
     let title = format!("{}: where the time of a path goes", about.label);
-    folder.write("breakdown.svg", &plot::bars(&title, "device time in nanoseconds per path", &bars)?)
+    folder
+        .write("breakdown.svg", &plot::bars(&title, "device time in nanoseconds per path", &bars)?)
 }
 
 /// The tables of a scene.
@@ -109,13 +120,15 @@ fn summary(
         && !others.is_empty()
     {
         let baseline = &first.name;
-        let against_first: Vec<_> = others.iter().map(|other| Pair { configuration: other, baseline: first }).collect();
+        let against_first: Vec<_> =
+            others.iter().map(|other| Pair { configuration: other, baseline: first }).collect();
         text += &format!(
             "\nEqual error: the time (and the samples) that `{baseline}` needs, by what each configuration needs; the best in bold. A dash: \
              its curve does not span that error, see `speedups.csv`.\n\n"
         );
         text += &markdown(&equal_error(comparisons, levels, &against_first));
-        text += &format!("\nEqual time: the error of `{baseline}`, by that of each configuration.\n\n");
+        text +=
+            &format!("\nEqual time: the error of `{baseline}`, by that of each configuration.\n\n");
         text += &markdown(&equal_time(comparisons, levels, &against_first));
     }
     let against_own = against_own_uniform(&measurement.configurations);
@@ -146,7 +159,8 @@ impl Pair<'_> {
     }
 }
 
-/// Each adaptive configuration and uniform sampling with its own integrator; nothing where there is one integrator alone, which makes that the first table.
+/// Each adaptive configuration and uniform sampling with its own integrator; nothing where there is
+/// one integrator alone, which makes that the first table.
 fn against_own_uniform(configurations: &[Measured]) -> Vec<Pair<'_>> {
     let integrator = |m: &Measured| m.configuration.integrator;
     if configurations.iter().all(|m| integrator(m) == integrator(&configurations[0])) {
@@ -154,7 +168,9 @@ fn against_own_uniform(configurations: &[Measured]) -> Vec<Pair<'_>> {
     }
     let adaptive = configurations.iter().filter(|m| !m.configuration.is_uniform());
     adaptive
-        .filter_map(|m| Some(Pair { configuration: m, baseline: uniform_counterpart(configurations, m)? }))
+        .filter_map(|m| {
+            Some(Pair { configuration: m, baseline: uniform_counterpart(configurations, m)? })
+        })
         .collect()
 }
 
@@ -174,23 +190,28 @@ fn names(pairs: &[Pair<'_>]) -> Column {
 fn equal_error(comparisons: &Comparisons, levels: &[u32], pairs: &[Pair<'_>]) -> Vec<Column> {
     let mut columns = vec![names(pairs)];
     let find = |pair: &Pair<'_>, metric, level| -> Option<&Speedup> {
-        comparisons
-            .speedups
-            .iter()
-            .find(|s| pair.is(&s.configuration, &s.baseline) && s.metric == metric && s.uniform_samples == level)
+        comparisons.speedups.iter().find(|s| {
+            pair.is(&s.configuration, &s.baseline)
+                && s.metric == metric
+                && s.uniform_samples == level
+        })
     };
     for &level in levels {
         for metric in Metric::ALL {
-            let times: Vec<_> = pairs.iter().map(|pair| find(pair, metric, level)?.time_ratio).collect();
-            let samples: Vec<_> = pairs.iter().map(|pair| find(pair, metric, level)?.samples_ratio).collect();
+            let times: Vec<_> =
+                pairs.iter().map(|pair| find(pair, metric, level)?.time_ratio).collect();
+            let samples: Vec<_> =
+                pairs.iter().map(|pair| find(pair, metric, level)?.samples_ratio).collect();
             columns.push(Column::ratios(&format!("time at {level} spp{}", short(metric)), &times));
             columns.push(Column::ratios(&format!("samples{}", short(metric)), &samples));
         }
     }
     for metric in Metric::ALL {
         let cell = |pair: &Pair<'_>| {
-            let smallest =
-                comparisons.smallest.iter().find(|s| pair.is(&s.configuration, &s.baseline) && s.metric == metric);
+            let smallest = comparisons
+                .smallest
+                .iter()
+                .find(|s| pair.is(&s.configuration, &s.baseline) && s.metric == metric);
             smallest.map_or_else(String::new, |s| {
                 let ratio = s.time_ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.2}"));
                 format!("{ratio} ({} of {})", s.reached, s.checkpoints)
@@ -200,7 +221,10 @@ fn equal_error(comparisons: &Comparisons, levels: &[u32], pairs: &[Pair<'_>]) ->
         columns.push(Column::text(&title, pairs.iter().map(cell)));
     }
     let mean = |pair: &Pair<'_>| {
-        pair.configuration.curve.last().map_or_else(|| "-".into(), |p| format!("{:.4}", p.errors.mean_ratio))
+        pair.configuration
+            .curve
+            .last()
+            .map_or_else(|| "-".into(), |p| format!("{:.4}", p.errors.mean_ratio))
     };
     columns.push(Column::text("mean by reference's", pairs.iter().map(mean)));
     columns
@@ -212,31 +236,48 @@ fn equal_time(comparisons: &Comparisons, levels: &[u32], pairs: &[Pair<'_>]) -> 
         for metric in Metric::ALL {
             let find = |pair: &Pair<'_>| {
                 comparisons.equal_time.iter().find(|e| {
-                    pair.is(&e.configuration, &e.baseline) && e.metric == metric && e.uniform_samples == level
+                    pair.is(&e.configuration, &e.baseline)
+                        && e.metric == metric
+                        && e.uniform_samples == level
                 })
             };
             let seconds = pairs.iter().find_map(find).map_or(0.0, |equal| equal.seconds);
             let ratios: Vec<_> = pairs.iter().map(|pair| find(pair)?.error_ratio).collect();
-            columns.push(Column::ratios(&format!("{seconds:.3} s, {level} spp{}", short(metric)), &ratios));
+            columns.push(Column::ratios(
+                &format!("{seconds:.3} s, {level} spp{}", short(metric)),
+                &ratios,
+            ));
         }
     }
     columns
 }
 
-fn against_atomic(measurement: &Measurement, comparisons: &Comparisons, levels: &[u32]) -> Option<Vec<Column>> {
-    let atomic = measurement.configurations.iter().filter(|m| m.configuration.allocator == AllocatorKind::Atomic);
+fn against_atomic(
+    measurement: &Measurement,
+    comparisons: &Comparisons,
+    levels: &[u32],
+) -> Option<Vec<Column>> {
+    let atomic = measurement
+        .configurations
+        .iter()
+        .filter(|m| m.configuration.allocator == AllocatorKind::Atomic);
     let atomic: Vec<&str> = atomic.map(|m| &*m.name).collect();
-    let rows: Vec<_> = comparisons.speedups.iter().filter(|s| atomic.contains(&&*s.baseline)).collect();
+    let rows: Vec<_> =
+        comparisons.speedups.iter().filter(|s| atomic.contains(&&*s.baseline)).collect();
     let names: Vec<&str> = measurement.configurations.iter().map(|m| &*m.name).collect();
-    let names: Vec<&str> = names.into_iter().filter(|name| rows.iter().any(|s| s.configuration == *name)).collect();
+    let names: Vec<&str> =
+        names.into_iter().filter(|name| rows.iter().any(|s| s.configuration == *name)).collect();
     if names.is_empty() {
         return None;
     }
-    let mut columns = vec![Column::text("configuration", names.iter().map(|&name| name.to_owned()))];
+    let mut columns =
+        vec![Column::text("configuration", names.iter().map(|&name| name.to_owned()))];
     for &level in levels {
         for metric in Metric::ALL {
             let find = |name: &&str| {
-                rows.iter().find(|s| s.configuration == *name && s.metric == metric && s.uniform_samples == level)
+                rows.iter().find(|s| {
+                    s.configuration == *name && s.metric == metric && s.uniform_samples == level
+                })
             };
             let times: Vec<_> = names.iter().map(|name| find(name)?.time_ratio).collect();
             columns.push(Column::ratios(&format!("time at {level} spp{}", short(metric)), &times));
@@ -260,10 +301,13 @@ fn rounds(breakdowns: &[(String, Breakdown)]) -> Vec<Column> {
         }));
     }
     let two_digits = |value: Option<f64>| value.map(|value| format!("{value:.2}"));
-    columns.push(column("Mpaths/s", &|b| two_digits(millions_per_second(b.paths, b.timings.tracing))));
-    columns.push(column("Mrays/s", &|b| two_digits(millions_per_second(b.rays, b.timings.tracing))));
     columns
-        .push(column("generation + accumulation by tracing", &|b| b.overhead.map(|o| format!("{:.2} %", 100.0 * o))));
+        .push(column("Mpaths/s", &|b| two_digits(millions_per_second(b.paths, b.timings.tracing))));
+    columns
+        .push(column("Mrays/s", &|b| two_digits(millions_per_second(b.rays, b.timings.tracing))));
+    columns.push(column("generation + accumulation by tracing", &|b| {
+        b.overhead.map(|o| format!("{:.2} %", 100.0 * o))
+    }));
     columns.push(column("paths by uniform's", &|b| two_digits(b.paths_ratio)));
     columns.push(column("rays by uniform's", &|b| two_digits(b.rays_ratio)));
     columns
@@ -272,9 +316,13 @@ fn rounds(breakdowns: &[(String, Breakdown)]) -> Vec<Column> {
 /// Plots and pictures.
 fn illustrations(folder: &str, pictures: Option<&Pictures>) -> String {
     let mut text = String::new();
-    for plot in
-        ["convergence", "convergence-trimmed", "convergence-samples", "convergence-trimmed-samples", "breakdown"]
-    {
+    for plot in [
+        "convergence",
+        "convergence-trimmed",
+        "convergence-samples",
+        "convergence-trimmed-samples",
+        "breakdown",
+    ] {
         text += &format!("![{plot}]({folder}/{plot}.svg)\n\n");
     }
     let Some(Pictures { seconds, brightest, pictures }) = pictures else { return text };

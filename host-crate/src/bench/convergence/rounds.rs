@@ -47,9 +47,11 @@ impl UniformRates {
         settings: &Settings,
         rounds: &[Round],
     ) -> Result<Self, BenchError> {
-        let mut renderer = Renderer::new(executor, scene, &Settings { sampling: Sampling::UNIFORM, ..*settings })?;
+        let mut renderer =
+            Renderer::new(executor, scene, &Settings { sampling: Sampling::UNIFORM, ..*settings })?;
         let pixels = u64::from(renderer.pixels());
-        let lengths: BTreeSet<u32> = rounds.iter().map(|round| length(round.paths, pixels)).collect();
+        let lengths: BTreeSet<u32> =
+            rounds.iter().map(|round| length(round.paths, pixels)).collect();
         let mut trace = |samples: u32| -> Result<(u64, u64, Duration), BenchError> {
             let (first, rays) = (renderer.paths(), renderer.rays()?);
             let goal = first + u64::from(samples) * pixels;
@@ -96,8 +98,8 @@ pub struct Breakdown {
     pub rays: u64,
     /// Where their time went.
     pub timings: Timings,
-    /// Tracing rate in paths, over that of a uniform round of the same length: the median over the rounds, which a device that slows down for a
-    /// while does not change.
+    /// Tracing rate in paths, over that of a uniform round of the same length: the median over the
+    /// rounds, which a device that slows down for a while does not change.
     pub paths_ratio: Option<f64>,
     /// The same in rays.
     pub rays_ratio: Option<f64>,
@@ -117,7 +119,9 @@ impl Breakdown {
             rays += round.rays;
         }
         // The seconds that a round takes to trace, if its time can be told from none.
-        let seconds = |round: &Round| Some(round.timings.tracing.as_secs_f64()).filter(|&seconds| seconds > 0.0);
+        let seconds = |round: &Round| {
+            Some(round.timings.tracing.as_secs_f64()).filter(|&seconds| seconds > 0.0)
+        };
         Self {
             rounds: rounds.len(),
             paths,
@@ -130,7 +134,10 @@ impl Breakdown {
                 Some(round.rays as f64 / seconds(round)? / uniform.of_length(round.paths)?.rays)
             }),
             overhead: median_of(rounds, |round| {
-                Some((round.timings.generation + round.timings.accumulation).as_secs_f64() / seconds(round)?)
+                Some(
+                    (round.timings.generation + round.timings.accumulation).as_secs_f64()
+                        / seconds(round)?,
+                )
             }),
         }
     }
@@ -179,7 +186,8 @@ mod tests {
     #[test]
     fn one_slow_round_changes_no_ratio() {
         // Uniform rounds of 1 and 2 samples: 100 and 200 paths per second, ten rays a path.
-        let rates = [(1, Rate { paths: 100.0, rays: 1000.0 }), (2, Rate { paths: 200.0, rays: 2000.0 })];
+        let rates =
+            [(1, Rate { paths: 100.0, rays: 1000.0 }), (2, Rate { paths: 200.0, rays: 2000.0 })];
         let uniform = UniformRates { pixels: 100, rates: rates.into() };
         let rounds = [
             round(500, 1, 9.0),
@@ -193,6 +201,10 @@ mod tests {
         assert_eq!(breakdown.paths_ratio, Some(0.5));
         assert_eq!(breakdown.rays_ratio, Some(1.0));
         assert_eq!(breakdown.overhead, Some(0.0));
-        assert_eq!(Breakdown::of(&rounds[..1], &uniform).paths_ratio, None, "that length was not measured");
+        assert_eq!(
+            Breakdown::of(&rounds[..1], &uniform).paths_ratio,
+            None,
+            "that length was not measured"
+        );
     }
 }

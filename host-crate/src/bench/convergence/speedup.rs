@@ -14,7 +14,8 @@ pub const SMALLEST_FROM: u32 = 16;
 
 /// Everything that follows from the curves of one scene.
 pub struct Comparisons {
-    /// At equal error, against uniform sampling and, where it was measured with the same integrator and estimator, against `atomic`.
+    /// At equal error, against uniform sampling and, where it was measured with the same integrator
+    /// and estimator, against `atomic`.
     pub speedups: Vec<Speedup>,
     /// At equal time, against uniform sampling.
     pub equal_time: Vec<EqualTime>,
@@ -23,29 +24,44 @@ pub struct Comparisons {
 }
 
 impl Comparisons {
-    /// Sets all configurations but the first against it, which is uniform sampling, at `levels`; and those of other integrators than the first one's also against
-    /// uniform sampling with their own, at the errors and times that this has at `levels`. `noise` is the RMSE of the reference.
+    /// Sets all configurations but the first against it, which is uniform sampling, at `levels`;
+    /// and those of other integrators than the first one's also against uniform sampling with their
+    /// own, at the errors and times that this has at `levels`. `noise` is the RMSE of the
+    /// reference.
     pub fn of(measured: &[Measured], levels: &[u32], noise: f64) -> Self {
-        let mut comparisons = Self { speedups: Vec::new(), equal_time: Vec::new(), smallest: Vec::new() };
+        let mut comparisons =
+            Self { speedups: Vec::new(), equal_time: Vec::new(), smallest: Vec::new() };
         let Some((first, others)) = measured.split_first() else { return comparisons };
         for metric in Metric::ALL {
             for other in others {
                 comparisons.add(first, other, metric, levels, noise);
                 let Some(own) = uniform_counterpart(measured, other) else { continue };
-                let is_another = own.configuration != first.configuration && own.configuration != other.configuration;
+                let is_another = own.configuration != first.configuration
+                    && own.configuration != other.configuration;
                 if is_another {
                     comparisons.add(own, other, metric, levels, noise);
                 }
-                let Some(atomic) = others.iter().find(|o| is_atomic_counterpart(o, other)) else { continue };
+                let Some(atomic) = others.iter().find(|o| is_atomic_counterpart(o, other)) else {
+                    continue;
+                };
                 let points = levels.iter().filter_map(|&level| at_level(own, level));
-                comparisons.speedups.extend(points.map(|at| speedup(atomic, other, metric, at, noise)));
+                comparisons
+                    .speedups
+                    .extend(points.map(|at| speedup(atomic, other, metric, at, noise)));
             }
         }
         comparisons
     }
 
     /// Sets `other` against the uniform sampling `uniform`.
-    fn add(&mut self, uniform: &Measured, other: &Measured, metric: Metric, levels: &[u32], noise: f64) {
+    fn add(
+        &mut self,
+        uniform: &Measured,
+        other: &Measured,
+        metric: Metric,
+        levels: &[u32],
+        noise: f64,
+    ) {
         for at in levels.iter().filter_map(|&level| at_level(uniform, level)) {
             self.speedups.push(speedup(uniform, other, metric, at, noise));
             self.equal_time.push(equal_time(uniform, other, metric, at));
@@ -61,7 +77,9 @@ fn at_level(measured: &Measured, level: u32) -> Option<&Point> {
 
 /// Uniform sampling with the integrator of `of`.
 pub fn uniform_counterpart<'a>(measured: &'a [Measured], of: &Measured) -> Option<&'a Measured> {
-    measured.iter().find(|m| m.configuration.is_uniform() && m.configuration.integrator == of.configuration.integrator)
+    measured.iter().find(|m| {
+        m.configuration.is_uniform() && m.configuration.integrator == of.configuration.integrator
+    })
 }
 
 fn is_atomic_counterpart(atomic: &Measured, other: &Measured) -> bool {
@@ -70,7 +88,13 @@ fn is_atomic_counterpart(atomic: &Measured, other: &Measured) -> bool {
     a == atomic && a != b && !b.is_uniform()
 }
 
-fn speedup(baseline: &Measured, other: &Measured, metric: Metric, at: &Point, noise: f64) -> Speedup {
+fn speedup(
+    baseline: &Measured,
+    other: &Measured,
+    metric: Metric,
+    at: &Point,
+    noise: f64,
+) -> Speedup {
     let error = metric.of(at);
     let [own, base] = [other, baseline].map(|m| crossing(&metric.over_time(&m.curve), error));
     let [own_samples, base_samples] =
@@ -119,7 +143,9 @@ fn smallest(uniform: &Measured, other: &Measured, metric: Metric) -> Smallest {
     let curve = metric.over_time(&other.curve);
     let ratios: Vec<(f64, u32)> = checkpoints
         .iter()
-        .filter_map(|p| Some((p.wall.as_secs_f64() / crossing(&curve, metric.of(p)).place()?, p.checkpoint)))
+        .filter_map(|p| {
+            Some((p.wall.as_secs_f64() / crossing(&curve, metric.of(p)).place()?, p.checkpoint))
+        })
         .collect();
     let smallest = ratios.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
     Smallest {
@@ -145,7 +171,8 @@ mod tests {
     use super::*;
     use crate::render::{Estimator, IntegratorKind};
 
-    /// Error 1 after a sample, falling with the root of the samples, times `gain`; every sample takes `seconds`.
+    /// Error 1 after a sample, falling with the root of the samples, times `gain`; every sample
+    /// takes `seconds`.
     fn measured(allocator: AllocatorKind, samples: &[u32], seconds: f64, gain: f64) -> Measured {
         measured_by(IntegratorKind::Megakernel, allocator, samples, seconds, gain)
     }
@@ -168,9 +195,16 @@ mod tests {
         } else {
             vec![configuration]
         };
-        let point = |&n: &u32| point(f64::from(n), f64::from(n) * seconds, 1.0 / (gain * f64::from(n)).sqrt());
+        let point = |&n: &u32| {
+            point(f64::from(n), f64::from(n) * seconds, 1.0 / (gain * f64::from(n)).sqrt())
+        };
         let curve = samples.iter().map(point).collect();
-        Measured { configuration, name: configuration.name_among(&among), curve, rounds: Vec::new() }
+        Measured {
+            configuration,
+            name: configuration.name_among(&among),
+            curve,
+            rounds: Vec::new(),
+        }
     }
 
     const SAMPLES: [u32; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
@@ -219,7 +253,9 @@ mod tests {
     #[test]
     fn every_integrator_has_its_own_baseline_too() {
         use AllocatorKind::{Atomic, Runs, Uniform};
-        let lvc = |allocator, seconds, gain| measured_by(IntegratorKind::Lvc, allocator, &SAMPLES, seconds, gain);
+        let lvc = |allocator, seconds, gain| {
+            measured_by(IntegratorKind::Lvc, allocator, &SAMPLES, seconds, gain)
+        };
         let all = [
             measured(Uniform, &SAMPLES, 1.0, 1.0),
             measured(Atomic, &SAMPLES, 1.0, 5.0),
@@ -232,7 +268,13 @@ mod tests {
             .speedups
             .iter()
             .filter(|s| s.metric == Metric::Rmse)
-            .map(|s| (&*s.configuration, &*s.baseline, s.time_ratio.map(|ratio| (ratio * 100.0).round() / 100.0)))
+            .map(|s| {
+                (
+                    &*s.configuration,
+                    &*s.baseline,
+                    s.time_ratio.map(|ratio| (ratio * 100.0).round() / 100.0),
+                )
+            })
             .collect();
         assert_eq!(
             found,
@@ -247,13 +289,23 @@ mod tests {
             ]
         );
         // What the second integrator is compared with at a level is its own error and time there.
-        let own = |s: &&Speedup| s.baseline == "lvc-uniform" && s.configuration == "lvc-runs-bilateral";
+        let own =
+            |s: &&Speedup| s.baseline == "lvc-uniform" && s.configuration == "lvc-runs-bilateral";
         let own = comparisons.speedups.iter().find(own).unwrap();
         close(own.baseline_seconds, 256.0);
         close(Some(own.error), (6.0 * 128.0_f64).powf(-0.5));
-        let pairs = |rows: Vec<(&str, &str)>| rows.into_iter().filter(|row| row.1 == "lvc-uniform").count();
-        assert_eq!(pairs(comparisons.equal_time.iter().map(|e| (&*e.configuration, &*e.baseline)).collect()), 4);
-        assert_eq!(pairs(comparisons.smallest.iter().map(|s| (&*s.configuration, &*s.baseline)).collect()), 4);
+        let pairs =
+            |rows: Vec<(&str, &str)>| rows.into_iter().filter(|row| row.1 == "lvc-uniform").count();
+        assert_eq!(
+            pairs(
+                comparisons.equal_time.iter().map(|e| (&*e.configuration, &*e.baseline)).collect()
+            ),
+            4
+        );
+        assert_eq!(
+            pairs(comparisons.smallest.iter().map(|s| (&*s.configuration, &*s.baseline)).collect()),
+            4
+        );
     }
 
     #[test]
@@ -264,7 +316,8 @@ mod tests {
             measured(AllocatorKind::Paper, &[100, 200, 400], 1.0, 1.0),
         ];
         let comparisons = Comparisons::of(&all, &[64, 256], 0.02);
-        let notes: Vec<_> = comparisons.speedups[..4].iter().map(|s| (s.time_ratio.is_some(), &*s.note)).collect();
+        let notes: Vec<_> =
+            comparisons.speedups[..4].iter().map(|s| (s.time_ratio.is_some(), &*s.note)).collect();
         assert_eq!(
             notes,
             [
@@ -277,15 +330,19 @@ mod tests {
         let smallest = &comparisons.smallest[0];
         close(smallest.time_ratio, 0.5);
         assert_eq!((smallest.reached, smallest.checkpoints), (2, 5));
-        let outside =
-            comparisons.equal_time.iter().find(|e| e.configuration == "runs-bilateral" && e.uniform_samples == 256);
+        let outside = comparisons
+            .equal_time
+            .iter()
+            .find(|e| e.configuration == "runs-bilateral" && e.uniform_samples == 256);
         assert_eq!(outside.unwrap().error, None);
     }
 
     #[test]
     fn fewer_than_sixteen_samples_have_no_smallest() {
-        let all =
-            [measured(AllocatorKind::Uniform, &[4, 8], 1.0, 1.0), measured(AllocatorKind::Runs, &[4, 8], 1.0, 1.0)];
+        let all = [
+            measured(AllocatorKind::Uniform, &[4, 8], 1.0, 1.0),
+            measured(AllocatorKind::Runs, &[4, 8], 1.0, 1.0),
+        ];
         let smallest = &Comparisons::of(&all, &[4], 0.0).smallest[0];
         assert_eq!((smallest.time_ratio, smallest.checkpoints), (None, 0));
     }

@@ -67,10 +67,12 @@ pub struct RoundRow {
     uniform_mrays_per_second: Option<f64>,
 }
 
-/// All rounds, numbered from 1 in each configuration, with the rates of uniform rounds of the same length by the same integrator.
+/// All rounds, numbered from 1 in each configuration, with the rates of uniform rounds of the same
+/// length by the same integrator.
 pub fn round_rows(measurement: &Measurement) -> impl Iterator<Item = RoundRow> {
     let row = |measured: &Measured, index: usize, round: &Round| {
-        let uniform = measurement.uniform_rates(measured).and_then(|uniform| uniform.of_length(round.paths));
+        let uniform =
+            measurement.uniform_rates(measured).and_then(|uniform| uniform.of_length(round.paths));
         RoundRow {
             configuration: measured.name.clone(),
             round: index + 1,
@@ -87,10 +89,9 @@ pub fn round_rows(measurement: &Measurement) -> impl Iterator<Item = RoundRow> {
             uniform_mrays_per_second: uniform.map(|rate| rate.rays / 1e6),
         }
     };
-    measurement
-        .configurations
-        .iter()
-        .flat_map(move |m| m.rounds.iter().enumerate().map(move |(index, round)| row(m, index, round)))
+    measurement.configurations.iter().flat_map(move |m| {
+        m.rounds.iter().enumerate().map(move |(index, round)| row(m, index, round))
+    })
 }
 
 fn milliseconds(time: Duration) -> f64 {

@@ -1,7 +1,9 @@
-//! Integrators side by side: how fast they are, how much memory they take, whether they agree, and how many paths are under way.
+//! Integrators side by side: how fast they are, how much memory they take, whether they agree, and
+//! how many paths are under way.
 //!
-//! [`measure`] renders a scene with every integrator by turns, and has each trace one and the same stream: slot for slot the contributions
-//! should be those of the megakernel, and the means of independent renders must agree. [`write_scene`] writes tables and a plot.
+//! [`measure`] renders a scene with every integrator by turns, and has each trace one and the same
+//! stream: slot for slot the contributions should be those of the megakernel, and the means of
+//! independent renders must agree. [`write_scene`] writes tables and a plot.
 
 mod occupancy;
 mod report;
@@ -73,7 +75,8 @@ const LIMIT: f64 = 5.0;
 /// Measures a scene. `say` is told what happens.
 ///
 /// # Errors
-/// [`BenchError::Wrong`] if the mean of an integrator differs from the first one's by more than their standard errors allow.
+/// [`BenchError::Wrong`] if the mean of an integrator differs from the first one's by more than
+/// their standard errors allow.
 pub fn measure<E: Executor>(
     executor: &E,
     scene: &PreparedScene,
@@ -89,10 +92,17 @@ pub fn measure<E: Executor>(
         let traced = stream.trace(executor, integrator)?;
         let expected = expected.get_or_insert_with(|| traced.contributions.clone());
         let identical = stream::identical(&traced.contributions, expected);
-        measured.push(Measured { integrator, speeds: Vec::new(), memory: 0, identical, lanes: traced.lanes });
+        measured.push(Measured {
+            integrator,
+            speeds: Vec::new(),
+            memory: 0,
+            identical,
+            lanes: traced.lanes,
+        });
     }
     drop(stream);
-    // By turns, so that a device that slows down does so for all; with seeds of their own, so that means are independent.
+    // By turns, so that a device that slows down does so for all; with seeds of their own, so that
+    // means are independent.
     let mut seed = settings.seed;
     for repetition in 0..plan.repetitions {
         for measured in &mut measured {
@@ -135,9 +145,22 @@ mod tests {
     fn z_scores_are_in_errors_of_the_difference() {
         let speed = |mean, mean_error| {
             let timings = Timings::default();
-            let outcome = Outcome { paths: 1, rays: 1, elapsed: Duration::from_secs(1), timings, interrupted: false };
+            let outcome = Outcome {
+                paths: 1,
+                rays: 1,
+                elapsed: Duration::from_secs(1),
+                timings,
+                interrupted: false,
+            };
             let (mpaths_per_second, mrays_per_second, rays_per_path) = (mean, 1.0, 1.0);
-            PathSpeed { mpaths_per_second, mrays_per_second, rays_per_path, outcome, mean, mean_error }
+            PathSpeed {
+                mpaths_per_second,
+                mrays_per_second,
+                rays_per_path,
+                outcome,
+                mean,
+                mean_error,
+            }
         };
         let measured = |speeds: &[(f64, f64)]| Measured {
             integrator: IntegratorKind::Megakernel,

@@ -1,13 +1,15 @@
 //! How many lanes have a path, over iterations of a segment each.
 //!
-//! Integrators whose paths advance in step count them as they go. For the two others they follow from the lengths of the stream's paths, as if all
-//! segments took the same time:
+//! Integrators whose paths advance in step count them as they go. For the two others they follow
+//! from the lengths of the stream's paths, as if all segments took the same time:
 //!
-//! - `megakernel`: a group of [`GROUP`] lanes that run in step is held until its longest path has ended;
-//! - `regeneration`: as many lanes as can be resident begin, and a lane whose path has ended takes the next slot.
+//! - `megakernel`: a group of [`GROUP`] lanes that run in step is held until its longest path has
+//!   ended;
+//! - `regeneration`: as many lanes as can be resident begin, and a lane whose path has ended takes
+//!   the next slot.
 
 use raystream_shaders::film::Contribution;
-use raystream_shaders::stream::{NO_PIXEL, Slot};
+use raystream_shaders::film::stream::{NO_PIXEL, Slot};
 
 /// Lanes that run in step: 32 on most GPUs.
 pub const GROUP: usize = 32;
@@ -100,7 +102,11 @@ mod tests {
         assert_eq!(active(&[3, 1, 2], 8), [3, 2, 1]);
         assert!(active(&[], 8).is_empty());
         // No segment is lost.
-        let lengths: Vec<u32> = (0..1000).map(|k| raystream_shaders::sampler::hash(k) % 9).collect();
-        assert_eq!(active(&lengths, 60).iter().sum::<u64>(), lengths.iter().map(|&l| u64::from(l)).sum::<u64>());
+        let lengths: Vec<u32> =
+            (0..1000).map(|k| raystream_shaders::math::random::hash(k) % 9).collect();
+        assert_eq!(
+            active(&lengths, 60).iter().sum::<u64>(),
+            lengths.iter().map(|&l| u64::from(l)).sum::<u64>()
+        );
     }
 }

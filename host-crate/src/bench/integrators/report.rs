@@ -44,8 +44,8 @@ struct LanesRow {
     held: u64,
 }
 
-/// Writes `integrators.csv`, `repetitions.csv`, `lanes.csv` and `lanes.svg` to `folder`, and returns what to tell of it. `stream` is the number of slots that
-/// `measured` was traced with.
+/// Writes `integrators.csv`, `repetitions.csv`, `lanes.csv` and `lanes.svg` to `folder`, and
+/// returns what to tell of it. `stream` is the number of slots that `measured` was traced with.
 pub fn write_scene(
     measured: &[Measured],
     stream: u32,
@@ -58,7 +58,10 @@ pub fn write_scene(
     folder.write("lanes.csv", &csv(measured.iter().flat_map(lanes_rows))?)?;
     let title = format!("{}: paths under way, a stream of {stream}", about.label);
     let curves: Vec<Curve> = measured.iter().flat_map(curves).collect();
-    folder.write("lanes.svg", &plot::lines(&title, "iteration, a segment each", "million paths", &curves)?)?;
+    folder.write(
+        "lanes.svg",
+        &plot::lines(&title, "iteration, a segment each", "million paths", &curves)?,
+    )?;
 
     let mut tables = about.heading();
     tables += "\n";
@@ -114,23 +117,32 @@ fn lanes_rows(measured: &Measured) -> impl Iterator<Item = LanesRow> {
 /// The paths under way and, where others are held up by them, the lanes.
 fn curves(measured: &Measured) -> Vec<Curve> {
     let points = |lanes: fn(&super::Lanes) -> u64| {
-        measured.lanes.iter().zip(1_u32..).map(|(l, k)| (f64::from(k), lanes(l) as f64 / 1e6)).collect::<Vec<_>>()
+        measured
+            .lanes
+            .iter()
+            .zip(1_u32..)
+            .map(|(l, k)| (f64::from(k), lanes(l) as f64 / 1e6))
+            .collect::<Vec<_>>()
     };
     let paths = (value_name(&measured.integrator), points(|l| l.active));
     let waits = measured.lanes.iter().any(|lanes| lanes.held > lanes.active);
-    let held = (format!("{}, with lanes that wait", value_name(&measured.integrator)), points(|l| l.held));
+    let held =
+        (format!("{}, with lanes that wait", value_name(&measured.integrator)), points(|l| l.held));
     if waits { vec![paths, held] } else { vec![paths] }
 }
 
 fn columns(rows: &[Row]) -> Vec<Column> {
-    let column = |title: &str, cell: &dyn Fn(&Row) -> String| Column::text(title, rows.iter().map(cell));
+    let column =
+        |title: &str, cell: &dyn Fn(&Row) -> String| Column::text(title, rows.iter().map(cell));
     vec![
         column("integrator", &|r| r.integrator.clone()),
         column("Mpaths/s", &|r| format!("{:.2}", r.mpaths_per_second)),
         Column::ratios("gain", &rows.iter().map(|r| Some(r.gain)).collect::<Vec<_>>()),
         column("Mrays/s", &|r| format!("{:.2}", r.mrays_per_second)),
         column("Mpaths/s of tracing alone", &|r| format!("{:.2}", r.tracing_mpaths_per_second)),
-        column("device memory", &|r| format!("{:.1} MiB", r.memory_bytes as f64 / f64::from(1 << 20))),
+        column("device memory", &|r| {
+            format!("{:.1} MiB", r.memory_bytes as f64 / f64::from(1 << 20))
+        }),
         column("mean radiance", &|r| format!("{:.6} +- {:.1e}", r.mean, r.mean_error)),
         column("z", &|r| format!("{:.2}", r.z_score)),
         column("identical slots", &|r| format!("{:.4} %", 100.0 * r.identical_share)),

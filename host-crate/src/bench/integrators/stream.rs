@@ -6,8 +6,8 @@ use crate::render::integrator::regeneration::RESIDENT;
 use crate::render::integrator::{Integrator, IntegratorContext, StreamBuffers, create};
 use crate::render::{IntegratorKind, PreparedScene, SceneBuffers, Settings, Techniques};
 use raystream_shaders::film::Contribution;
-use raystream_shaders::path::PathParams;
-use raystream_shaders::stream::Slot;
+use raystream_shaders::film::stream::Slot;
+use raystream_shaders::integrator::path::PathParams;
 
 /// A stream of runs of one length, in rank order.
 pub struct Stream<B> {
@@ -39,12 +39,14 @@ impl<B> Stream<B> {
     ) -> Result<Self, ExecError> {
         let pixels = settings.size.width * settings.size.height;
         let samples = count.div_ceil(pixels);
-        let slots: Vec<Slot> = (0..count).map(|k| Slot { rank: k / samples, sample: k % samples }).collect();
+        let slots: Vec<Slot> =
+            (0..count).map(|k| Slot { rank: k / samples, sample: k % samples }).collect();
         Ok(Self {
             scene: SceneBuffers::new(executor, scene)?,
             settings: *settings,
             parameters: scene.parameters(settings),
-            without_shadow_rays: scene.parameters(&Settings { techniques: Techniques::BsdfSampling, ..*settings }),
+            without_shadow_rays: scene
+                .parameters(&Settings { techniques: Techniques::BsdfSampling, ..*settings }),
             slots_there: Array::from_slice(executor, "the sample stream", &slots)?,
             contributions: Array::zeroed(executor, "contributions", count as usize)?,
             slots,
@@ -52,21 +54,35 @@ impl<B> Stream<B> {
     }
 
     /// Traces it.
-    pub fn trace<E: Executor<Buffer = B>>(&self, executor: &E, kind: IntegratorKind) -> Result<Traced, ExecError> {
+    pub fn trace<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        kind: IntegratorKind,
+    ) -> Result<Traced, ExecError> {
         let settings = Settings { integrator: kind, ..self.settings };
-        let context =
-            IntegratorContext { executor, scene: &self.scene, parameters: &self.parameters, settings: &settings };
+        let context = IntegratorContext {
+            executor,
+            scene: &self.scene,
+            parameters: &self.parameters,
+            settings: &settings,
+        };
         let integrator = create(&context, self.slots.len() as u32)?;
         let (contributions, active) = self.run(executor, integrator.as_ref(), &self.parameters)?;
         let lanes = if active.is_empty() {
-            let (segments, _) = self.run(executor, integrator.as_ref(), &self.without_shadow_rays)?;
+            let (segments, _) =
+                self.run(executor, integrator.as_ref(), &self.without_shadow_rays)?;
             let lengths = occupancy::lengths(&self.slots, &segments);
             match kind {
-                IntegratorKind::Regeneration => occupancy::regeneration(&lengths, RESIDENT as usize),
+                IntegratorKind::Regeneration => {
+                    occupancy::regeneration(&lengths, RESIDENT as usize)
+                }
                 _ => occupancy::megakernel(&lengths),
             }
         } else {
-            active.into_iter().map(|active| Lanes { active: active.into(), held: active.into() }).collect()
+            active
+                .into_iter()
+                .map(|active| Lanes { active: active.into(), held: active.into() })
+                .collect()
         };
         Ok(Traced { contributions, lanes })
     }

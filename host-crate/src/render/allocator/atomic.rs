@@ -1,14 +1,16 @@
-//! The allocator `atomic`: every pixel in proportion to its error, slots and sums by atomics, in the order in which they come.
+//! The allocator `atomic`: every pixel in proportion to its error, slots and sums by atomics, in
+//! the order in which they come.
 
 use super::runs::{RunTable, Weights};
 use super::{Allocator, RoundBuffers, Stream, one_stream};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::counter::Counter;
 use crate::render::film::FilmBuffers;
-use raystream_shaders::atomic::STRETCH;
-use raystream_shaders::stream::RunWindow;
+use raystream_shaders::allocator::atomic::STRETCH;
+use raystream_shaders::film::stream::RunWindow;
 
-/// Half a sample, in the unit of phases: shares of samples are rounded to the nearest, not at random.
+/// Half a sample, in the unit of phases: shares of samples are rounded to the nearest, not at
+/// random.
 const HALF: u32 = 128;
 
 /// In proportion to the error, by atomics.
@@ -35,13 +37,18 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
         one_stream(film, paths, largest)
     }
 
-    fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+    fn fill<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         let as_they_are = Weights { uniform: 0, largest: u32::MAX };
         let mut launches = self.table.fill(buffers.errors, stream.slots, as_they_are, HALF);
         launches.push(self.counter.clear());
         for band in buffers.film.bands() {
             let pixels = band.film.len() as u32;
-            let window = RunWindow { threads: pixels, first_rank: band.first_rank, pixels, samples: 0 };
+            let window =
+                RunWindow { threads: pixels, first_rank: band.first_rank, pixels, samples: 0 };
             let first = band.first_rank as usize;
             let reserved = || self.reserved.slice(first..first + band.film.len());
             launches.push(Launch::new(
@@ -63,7 +70,11 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
         launches
     }
 
-    fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+    fn accumulate<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         let slots = stream.slots as usize;
         let film = buffers.film;
         let in_band = film.bands().iter().map(|band| {
@@ -75,7 +86,11 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
                     pixels: band.film.len() as u32,
                     samples: 0,
                 },
-                vec![buffers.slots.slice(0..slots), buffers.contributions.slice(0..slots), band.film.view()],
+                vec![
+                    buffers.slots.slice(0..slots),
+                    buffers.contributions.slice(0..slots),
+                    band.film.view(),
+                ],
             )
         });
         in_band.collect()

@@ -16,22 +16,31 @@ use super::AllocatorKind;
 use super::film::FilmBuffers;
 use crate::exec::{Array, ExecError, Executor, Launch};
 use raystream_shaders::film::Contribution;
-use raystream_shaders::stream::Slot;
+use raystream_shaders::film::stream::Slot;
 use std::ops::Range;
 
 /// Turns errors into sample streams, and streams into film.
 ///
-/// A pixel's sample numbers continue its film's count without gaps. Samples are added to a pixel in the order of their numbers, by one
-/// thread at a time: then the film does not depend on the device. (All but [`atomic`] keep to this.)
+/// A pixel's sample numbers continue its film's count without gaps. Samples are added to a pixel in
+/// the order of their numbers, by one thread at a time: then the film does not depend on the
+/// device. (All but [`atomic`] keep to this.)
 pub trait Allocator<E: Executor> {
     /// Cuts a round of `paths` paths into streams of at most `largest` slots.
     fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream>;
 
     /// Launches that make the stream `stream` of the errors and of the film's counts.
-    fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>>;
+    fn fill<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>>;
 
     /// Launches that add the stream's contributions to the film.
-    fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>>;
+    fn accumulate<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>>;
 
     /// How many of the stream's slots were filled, once it has been accumulated.
     fn filled(&self, _executor: &E, stream: &Stream) -> Result<u32, ExecError> {
@@ -42,7 +51,8 @@ pub trait Allocator<E: Executor> {
 /// A stream of a round.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stream {
-    /// Ranks of the pixels that it may sample; a multiple of [`WINDOW_ALIGNMENT`](super::film::WINDOW_ALIGNMENT) at its start.
+    /// Ranks of the pixels that it may sample; a multiple of
+    /// [`WINDOW_ALIGNMENT`](super::film::WINDOW_ALIGNMENT) at its start.
     pub pixels: Range<u32>,
     /// Its slots.
     pub slots: u32,
@@ -52,7 +62,8 @@ pub struct Stream {
 pub struct RoundBuffers<'a, B> {
     /// The film.
     pub film: &'a FilmBuffers<B>,
-    /// The error of each pixel, in rank order, see [`raystream_shaders::error_scale`]. Of any length where nobody estimates.
+    /// The error of each pixel, in rank order, see [`raystream_shaders::allocator::error_scale`].
+    /// Of any length where nobody estimates.
     pub errors: &'a Array<B, f32>,
     /// The stream.
     pub slots: &'a Array<B, Slot>,
@@ -71,7 +82,11 @@ impl<B> Clone for RoundBuffers<'_, B> {
 impl<B> Copy for RoundBuffers<'_, B> {}
 
 /// A new allocator for pictures of `pixels` pixels; it asks for memory only as far as it needs it.
-pub fn create<E: Executor>(kind: AllocatorKind, executor: &E, pixels: u32) -> Result<Box<dyn Allocator<E>>, ExecError> {
+pub fn create<E: Executor>(
+    kind: AllocatorKind,
+    executor: &E,
+    pixels: u32,
+) -> Result<Box<dyn Allocator<E>>, ExecError> {
     Ok(match kind {
         AllocatorKind::Uniform => Box::new(uniform::Uniform::new(executor)?),
         AllocatorKind::Paper => Box::new(paper::Paper::new(executor, pixels)?),

@@ -1,13 +1,14 @@
-//! The allocator `paper`: streams of pixels whose error exceeds random thresholds; see [`raystream_shaders::paper`].
+//! The allocator `paper`: streams of pixels whose error exceeds random thresholds; see
+//! [`raystream_shaders::allocator::paper`].
 
 use super::runs::ErrorScale;
 use super::{Allocator, RoundBuffers, Stream, one_stream};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::FilmBuffers;
-use raystream_shaders::paper::{PaperParams, PaperState, STREAMS};
-use raystream_shaders::prefix::BlockParams;
-use raystream_shaders::sampler::hash;
-use raystream_shaders::stream::RunWindow;
+use raystream_shaders::allocator::paper::{PaperParams, PaperState, STREAMS};
+use raystream_shaders::film::stream::RunWindow;
+use raystream_shaders::math::random::hash;
+use raystream_shaders::parallel::prefix::BlockParams;
 
 /// Streams by random thresholds.
 pub struct Paper<B> {
@@ -36,8 +37,12 @@ impl<B> Paper<B> {
         })
     }
 
-    /// The streams of the last round: [`PaperState::filled`] is the first slot of each, `taken` its length.
-    pub fn states<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<PaperState>, ExecError> {
+    /// The streams of the last round: [`PaperState::filled`] is the first slot of each, `taken` its
+    /// length.
+    pub fn states<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+    ) -> Result<Vec<PaperState>, ExecError> {
         self.states.read_range(executor, 0..STREAMS as usize)
     }
 
@@ -55,7 +60,12 @@ impl<B> Paper<B> {
     }
 
     /// Launches that make and append stream `number` of the round.
-    fn append<'a>(&'a self, buffers: &RoundBuffers<'a, B>, stream: &Stream, number: u32) -> [Launch<'a, B>; 6] {
+    fn append<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, B>,
+        stream: &Stream,
+        number: u32,
+    ) -> [Launch<'a, B>; 6] {
         let salt = hash(buffers.salt ^ hash(number));
         let parameters = PaperParams { salt, ..self.parameters(stream, number, self.pixels) };
         let per_block = BlockParams::per_block(self.pixels);
@@ -63,20 +73,38 @@ impl<B> Paper<B> {
             Launch::new(
                 &kernels::paper_select,
                 &parameters,
-                vec![buffers.errors.view(), self.scale.totals.view(), self.states.view(), self.keep.view()],
+                vec![
+                    buffers.errors.view(),
+                    self.scale.totals.view(),
+                    self.states.view(),
+                    self.keep.view(),
+                ],
             ),
             Launch::new(&kernels::sum_blocks, &per_block, vec![self.keep.view(), self.sums.view()]),
-            Launch::new(&kernels::scan_blocks, &BlockParams::one_workgroup(self.pixels), vec![self.sums.view()]),
+            Launch::new(
+                &kernels::scan_blocks,
+                &BlockParams::one_workgroup(self.pixels),
+                vec![self.sums.view()],
+            ),
             Launch::new(
                 &kernels::paper_decide,
                 &PaperParams { threads: 1, ..parameters },
                 vec![self.sums.view(), self.states.view()],
             ),
-            Launch::new(&kernels::scatter_kept, &per_block, vec![self.keep.view(), self.sums.view(), self.kept.view()]),
+            Launch::new(
+                &kernels::scatter_kept,
+                &per_block,
+                vec![self.keep.view(), self.sums.view(), self.kept.view()],
+            ),
             Launch::new(
                 &kernels::paper_append,
                 &parameters,
-                vec![self.states.view(), self.kept.view(), self.counts.view(), buffers.slots.view()],
+                vec![
+                    self.states.view(),
+                    self.kept.view(),
+                    self.counts.view(),
+                    buffers.slots.view(),
+                ],
             ),
         ]
     }
@@ -87,7 +115,11 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
         one_stream(film, paths, largest)
     }
 
-    fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+    fn fill<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         let mut launches = self.scale.launches(buffers.errors);
         launches.push(Launch::new(
             &kernels::clear_slots,
@@ -102,12 +134,20 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
                 vec![band.film.view(), self.counts.slice(first..first + band.film.len())],
             ));
         }
-        launches.push(Launch::new(&kernels::paper_begin, &self.parameters(stream, 0, 1), vec![self.states.view()]));
+        launches.push(Launch::new(
+            &kernels::paper_begin,
+            &self.parameters(stream, 0, 1),
+            vec![self.states.view()],
+        ));
         launches.extend((0..STREAMS).flat_map(|number| self.append(buffers, stream, number)));
         launches
     }
 
-    fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+    fn accumulate<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         let slots = stream.slots as usize;
         let mut launches = Vec::new();
         for number in 0..STREAMS {
@@ -115,7 +155,11 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
                 let parameters = self.parameters(stream, number, self.pixels.min(stream.slots));
                 launches.push(Launch::new(
                     &kernels::paper_accumulate,
-                    &PaperParams { first_rank: band.first_rank, film_pixels: band.film.len() as u32, ..parameters },
+                    &PaperParams {
+                        first_rank: band.first_rank,
+                        film_pixels: band.film.len() as u32,
+                        ..parameters
+                    },
                     vec![
                         self.states.view(),
                         buffers.slots.slice(0..slots),

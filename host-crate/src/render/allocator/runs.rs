@@ -4,16 +4,17 @@ use super::uniform::{accumulate_runs, fill_runs};
 use super::{Allocator, RoundBuffers, Stream, one_stream};
 use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::render::film::{Band, FilmBuffers};
-use raystream_shaders::error_scale::BlockErrors;
-use raystream_shaders::prefix::BlockParams;
-use raystream_shaders::runs::{ERROR_WEIGHTS, RunParams};
+use raystream_shaders::allocator::error_scale::BlockErrors;
+use raystream_shaders::allocator::runs::{ERROR_WEIGHTS, RunParams};
+use raystream_shaders::parallel::prefix::BlockParams;
 
-/// Share of a round's samples that all pixels that have not converged get equally, whatever their error: no estimate is so good that it
-/// may starve a pixel.
+/// Share of a round's samples that all pixels that have not converged get equally, whatever their
+/// error: no estimate is so good that it may starve a pixel.
 const UNIFORM_SHARE: f64 = 0.1;
 
-/// What a pixel's error may weigh at most, by what the errors weigh on average. A pixel on which a rare bright path has fallen seems worse than all
-/// others together; beyond some more samples it would waste them, and its long run would hold up accumulation.
+/// What a pixel's error may weigh at most, by what the errors weigh on average. A pixel on which a
+/// rare bright path has fallen seems worse than all others together; beyond some more samples it
+/// would waste them, and its long run would hold up accumulation.
 const LARGEST_ERROR: f64 = 16.0;
 
 /// In proportion to the error, in runs.
@@ -33,18 +34,27 @@ impl<E: Executor> Allocator<E> for Runs<E::Buffer> {
         one_stream(film, paths, largest)
     }
 
-    fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+    fn fill<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         let all = f64::from(ERROR_WEIGHTS);
         let weights = Weights {
             uniform: (all * UNIFORM_SHARE / (1.0 - UNIFORM_SHARE)) as u32,
             largest: (all * LARGEST_ERROR / stream.pixels.len() as f64) as u32,
         };
-        let mut launches = self.table.fill(buffers.errors, stream.slots, weights, buffers.salt & 0xff);
+        let mut launches =
+            self.table.fill(buffers.errors, stream.slots, weights, buffers.salt & 0xff);
         launches.extend(fill_runs(buffers, stream, |band| self.table.starts_of(band), 0));
         launches
     }
 
-    fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
+    fn accumulate<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         accumulate_runs(buffers, stream, |band| self.table.starts_of(band), 0)
     }
 }
@@ -102,9 +112,18 @@ impl<B> RunTable<B> {
             Launch::new(
                 &kernels::weigh_errors,
                 &parameters,
-                vec![errors.view(), self.scale.totals.view(), self.weights.view(), self.sums.view()],
+                vec![
+                    errors.view(),
+                    self.scale.totals.view(),
+                    self.weights.view(),
+                    self.sums.view(),
+                ],
             ),
-            Launch::new(&kernels::scan_blocks, &BlockParams::one_workgroup(self.pixels), vec![self.sums.view()]),
+            Launch::new(
+                &kernels::scan_blocks,
+                &BlockParams::one_workgroup(self.pixels),
+                vec![self.sums.view()],
+            ),
             Launch::new(
                 &kernels::run_starts,
                 &parameters,
@@ -141,7 +160,11 @@ impl<B> ErrorScale<B> {
                 &BlockParams::per_block(self.pixels),
                 vec![errors.view(), self.totals.view()],
             ),
-            Launch::new(&kernels::add_block_errors, &BlockParams::one_workgroup(self.pixels), vec![self.totals.view()]),
+            Launch::new(
+                &kernels::add_block_errors,
+                &BlockParams::one_workgroup(self.pixels),
+                vec![self.totals.view()],
+            ),
         ]
     }
 }

@@ -3,7 +3,7 @@
 use super::{Allocator, RoundBuffers, Stream};
 use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::render::film::{Band, FilmBuffers, WINDOW_ALIGNMENT};
-use raystream_shaders::stream::RunWindow;
+use raystream_shaders::film::stream::RunWindow;
 use std::ops::Range;
 
 /// Every pixel equally.
@@ -20,8 +20,8 @@ impl<B> Uniform<B> {
 }
 
 impl<E: Executor> Allocator<E> for Uniform<E::Buffer> {
-    /// Cuts the round, `paths / pixels` samples for each pixel, into windows of pixels whose slots fit, and where even the smallest window's do not, into
-    /// passes of fewer samples.
+    /// Cuts the round, `paths / pixels` samples for each pixel, into windows of pixels whose slots
+    /// fit, and where even the smallest window's do not, into passes of fewer samples.
     fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream> {
         let mut streams = Vec::new();
         let mut left = (paths / u64::from(film.pixels())) as u32;
@@ -40,16 +40,35 @@ impl<E: Executor> Allocator<E> for Uniform<E::Buffer> {
         streams
     }
 
-    fn fill<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
-        fill_runs(buffers, stream, |_| self.no_starts.view(), stream.slots / stream.pixels.len() as u32)
+    fn fill<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
+        fill_runs(
+            buffers,
+            stream,
+            |_| self.no_starts.view(),
+            stream.slots / stream.pixels.len() as u32,
+        )
     }
 
-    fn accumulate<'a>(&'a self, buffers: &RoundBuffers<'a, E::Buffer>, stream: &Stream) -> Vec<Launch<'a, E::Buffer>> {
-        accumulate_runs(buffers, stream, |_| self.no_starts.view(), stream.slots / stream.pixels.len() as u32)
+    fn accumulate<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
+        accumulate_runs(
+            buffers,
+            stream,
+            |_| self.no_starts.view(),
+            stream.slots / stream.pixels.len() as u32,
+        )
     }
 }
 
-/// Fills a stream of runs: of `samples` slots each, or as `starts` (of a band's pixels) says where that is 0.
+/// Fills a stream of runs: of `samples` slots each, or as `starts` (of a band's pixels) says where
+/// that is 0.
 pub(super) fn fill_runs<'a, B>(
     buffers: &RoundBuffers<'a, B>,
     stream: &Stream,
@@ -59,7 +78,11 @@ pub(super) fn fill_runs<'a, B>(
     let slots = || buffers.slots.slice(0..stream.slots as usize);
     windows(buffers.film, stream, samples)
         .map(|(band, pixels, window)| {
-            Launch::new(&kernels::fill_runs, &window, vec![starts(band), band.film.slice(pixels), slots()])
+            Launch::new(
+                &kernels::fill_runs,
+                &window,
+                vec![starts(band), band.film.slice(pixels), slots()],
+            )
         })
         .collect()
 }
@@ -83,7 +106,8 @@ pub(super) fn accumulate_runs<'a, B>(
         .collect()
 }
 
-/// The bands that have pixels of a stream of runs, these pixels' places there, and what kernels with a lane for each are told.
+/// The bands that have pixels of a stream of runs, these pixels' places there, and what kernels
+/// with a lane for each are told.
 fn windows<'a, B>(
     film: &'a FilmBuffers<B>,
     stream: &Stream,
@@ -91,7 +115,12 @@ fn windows<'a, B>(
 ) -> impl Iterator<Item = (&'a Band<B>, Range<usize>, RunWindow)> {
     film.bands_of(&stream.pixels).map(move |(band, pixels)| {
         let threads = pixels.len() as u32;
-        let window = RunWindow { threads, first_rank: band.first_rank + pixels.start, pixels: threads, samples };
+        let window = RunWindow {
+            threads,
+            first_rank: band.first_rank + pixels.start,
+            pixels: threads,
+            samples,
+        };
         (band, pixels.start as usize..pixels.end as usize, window)
     })
 }

@@ -2,14 +2,18 @@
 
 use super::{Integrator, StreamBuffers};
 use crate::exec::{Executor, Launch, kernels};
-use raystream_shaders::path::PathParams;
+use raystream_shaders::integrator::path::PathParams;
 use std::ops::Range;
 
 /// See the [module](self). It needs no memory of its own.
 pub struct Megakernel;
 
 impl<E: Executor> Integrator<E> for Megakernel {
-    fn trace<'a>(&'a self, stream: &StreamBuffers<'a, E::Buffer>, part: Range<u32>) -> Vec<Launch<'a, E::Buffer>> {
+    fn trace<'a>(
+        &'a self,
+        stream: &StreamBuffers<'a, E::Buffer>,
+        part: Range<u32>,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         let slots = part.start as usize..part.end as usize;
         let scene = stream.scene;
         vec![Launch::new(

@@ -8,7 +8,8 @@
 //! | `streaming` ([`wavefront`]) | likewise, and the next slots take their places |
 //! | [`lvc`] | bidirectional, with a cache of light vertices |
 //!
-//! All but the last call the same functions of [`raystream_shaders::path`], which do the same arithmetic in the same order.
+//! All but the last call the same functions of [`raystream_shaders::integrator::path`], which do
+//! the same arithmetic in the same order.
 
 pub mod lvc;
 pub mod megakernel;
@@ -19,26 +20,36 @@ pub mod wavefront;
 use super::{IntegratorKind, SceneBuffers, Settings};
 use crate::exec::{Array, ExecError, Executor, Launch};
 use raystream_shaders::film::Contribution;
-use raystream_shaders::path::PathParams;
-use raystream_shaders::stream::Slot;
+use raystream_shaders::film::stream::Slot;
+use raystream_shaders::integrator::path::PathParams;
 use std::ops::Range;
 
 /// Turns slots into contributions.
 ///
-/// The contribution of a slot depends on the slot (pixel and sample number) and on the scene, not on the lane that computes it nor on the other
-/// slots; that of an empty slot ([`NO_PIXEL`](raystream_shaders::stream::NO_PIXEL)) is [`Contribution::NOTHING`].
+/// The contribution of a slot depends on the slot (pixel and sample number) and on the scene, not
+/// on the lane that computes it nor on the other slots; that of an empty slot
+/// ([`NO_PIXEL`](raystream_shaders::film::stream::NO_PIXEL)) is [`Contribution::NOTHING`].
 pub trait Integrator<E: Executor> {
     /// Launches that must come before a round's paths are traced.
-    fn begin_round<'a>(&'a self, _stream: &StreamBuffers<'a, E::Buffer>, _round: u32) -> Vec<Launch<'a, E::Buffer>> {
+    fn begin_round<'a>(
+        &'a self,
+        _stream: &StreamBuffers<'a, E::Buffer>,
+        _round: u32,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         Vec::new()
     }
 
-    /// Launches that compute the contributions of the slots of `part`, which begins at a multiple of
-    /// [`WINDOW_ALIGNMENT`](super::film::WINDOW_ALIGNMENT) and is not empty.
-    fn trace<'a>(&'a self, stream: &StreamBuffers<'a, E::Buffer>, part: Range<u32>) -> Vec<Launch<'a, E::Buffer>>;
+    /// Launches that compute the contributions of the slots of `part`, which begins at a multiple
+    /// of [`WINDOW_ALIGNMENT`](super::film::WINDOW_ALIGNMENT) and is not empty.
+    fn trace<'a>(
+        &'a self,
+        stream: &StreamBuffers<'a, E::Buffer>,
+        part: Range<u32>,
+    ) -> Vec<Launch<'a, E::Buffer>>;
 
-    /// How many paths were under way in each iteration over `part`, whose launches were the last that were run; empty where paths do not
-    /// advance in step. For measurements: it waits for the device.
+    /// How many paths were under way in each iteration over `part`, whose launches were the last
+    /// that were run; empty where paths do not advance in step. For measurements: it waits for the
+    /// device.
     fn active_paths(
         &self,
         _executor: &E,
@@ -48,8 +59,9 @@ pub trait Integrator<E: Executor> {
         Ok(Vec::new())
     }
 
-    /// Slots that should share what one [`begin_round`](Self::begin_round) makes, at most; a round may always have one for each pixel. Where there is a limit, contributions
-    /// may depend on the number of the round as well.
+    /// Slots that should share what one [`begin_round`](Self::begin_round) makes, at most; a round
+    /// may always have one for each pixel. Where there is a limit, contributions may depend on the
+    /// number of the round as well.
     fn slots_of_round(&self) -> u64 {
         u64::MAX
     }
@@ -79,16 +91,23 @@ pub struct IntegratorContext<'a, E: Executor> {
     pub settings: &'a Settings,
 }
 
-/// A new integrator for streams of at most `capacity` slots; it asks for memory only as far as it needs it.
+/// A new integrator for streams of at most `capacity` slots; it asks for memory only as far as it
+/// needs it.
 pub fn create<E: Executor>(
     context: &IntegratorContext<'_, E>,
     capacity: u32,
 ) -> Result<Box<dyn Integrator<E>>, ExecError> {
     Ok(match context.settings.integrator {
         IntegratorKind::Megakernel => Box::new(megakernel::Megakernel),
-        IntegratorKind::Regeneration => Box::new(regeneration::Regeneration::new(context.executor)?),
-        IntegratorKind::Compaction => Box::new(wavefront::Wavefront::compaction(context.executor, capacity)?),
-        IntegratorKind::Streaming => Box::new(wavefront::Wavefront::streaming(context.executor, capacity)?),
+        IntegratorKind::Regeneration => {
+            Box::new(regeneration::Regeneration::new(context.executor)?)
+        }
+        IntegratorKind::Compaction => {
+            Box::new(wavefront::Wavefront::compaction(context.executor, capacity)?)
+        }
+        IntegratorKind::Streaming => {
+            Box::new(wavefront::Wavefront::streaming(context.executor, capacity)?)
+        }
         IntegratorKind::Lvc => Box::new(lvc::Lvc::new(context)?),
     })
 }

@@ -2,16 +2,19 @@
 
 use std::ops::Range;
 
-/// Iterations that are made at most for the paths that start last. Few are as long, so the rest is left to one launch that walks each to its end.
+/// Iterations that are made at most for the paths that start last. Few are as long, so the rest is
+/// left to one launch that walks each to its end.
 const LONGEST_TAIL: u32 = 24;
 /// Iterations that are made at most, on average, to replace all paths of the pool once by new ones.
 const REPLACEMENT: u32 = 8;
 
 /// Iterations over a pool that take a range of slots from their first to their last segments.
 ///
-/// Where paths are regenerated, the pool is full as long as there are slots. Of `D` iterations each path sees its end, so within every `D` all of the pool are
-/// replaced, and with `ceil(slots / pool)` pools full of slots `D * ceil(slots / pool)` iterations are always enough. For long paths these would be thousands
-/// of launches for a few that are as long. Then there are fewer, and one launch more that finishes what is left.
+/// Where paths are regenerated, the pool is full as long as there are slots. Of `D` iterations each
+/// path sees its end, so within every `D` all of the pool are replaced, and with `ceil(slots /
+/// pool)` pools full of slots `D * ceil(slots / pool)` iterations are always enough. For long paths
+/// these would be thousands of launches for a few that are as long. Then there are fewer, and one
+/// launch more that finishes what is left.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Pass {
     /// Slots whose paths are walked.
@@ -35,7 +38,8 @@ impl Pass {
             let lanes = (end - start).min(capacity);
             let replacements = (end - start).div_ceil(lanes) - 1;
             let enough = max_depth.saturating_mul(1 + replacements);
-            let made = enough.min(max_depth.min(LONGEST_TAIL) + replacements * max_depth.min(REPLACEMENT));
+            let made =
+                enough.min(max_depth.min(LONGEST_TAIL) + replacements * max_depth.min(REPLACEMENT));
             let first = passes.last().map_or(0, |pass| pass.iterations.end);
             let iterations = first..first + made;
             passes.push(Self { slots: start..end, lanes, iterations, leaves_paths: made < enough });
@@ -51,7 +55,8 @@ mod tests {
 
     #[test]
     fn compaction_takes_pool_after_pool_and_streaming_all_at_once() {
-        let pass = |slots, lanes, iterations| Pass { slots, lanes, iterations, leaves_paths: false };
+        let pass =
+            |slots, lanes, iterations| Pass { slots, lanes, iterations, leaves_paths: false };
         assert_eq!(Pass::all(64, 64, false, 3), [pass(0..64, 64, 0..3)]);
         assert_eq!(Pass::all(100, 64, false, 8), [pass(0..64, 64, 0..8), pass(64..100, 36, 8..16)]);
         assert_eq!(Pass::all(100, 64, true, 8), [pass(0..100, 64, 0..16)]);

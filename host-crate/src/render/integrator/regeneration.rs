@@ -3,14 +3,15 @@
 use super::{Integrator, StreamBuffers};
 use crate::exec::{ExecError, Executor, Launch, kernels};
 use crate::render::counter::Counter;
-use raystream_shaders::path::PathParams;
-use raystream_shaders::regeneration::SEGMENTS;
+use raystream_shaders::integrator::path::PathParams;
+use raystream_shaders::integrator::regeneration::SEGMENTS;
 use std::ops::Range;
 
 /// More threads than any device holds at once. Those that start late find no slot left.
 pub const RESIDENT: u32 = 1 << 18;
 
-/// Threads of a launch over `slots` slots of paths of at most `max_depth` segments: enough to take all, however long paths turn out to be.
+/// Threads of a launch over `slots` slots of paths of at most `max_depth` segments: enough to take
+/// all, however long paths turn out to be.
 fn threads(slots: u32, max_depth: u32) -> u32 {
     let slots_of_a_thread = SEGMENTS.div_ceil(max_depth);
     slots.div_ceil(slots_of_a_thread).max(slots.min(RESIDENT))
@@ -30,7 +31,11 @@ impl<B> Regeneration<B> {
 }
 
 impl<E: Executor> Integrator<E> for Regeneration<E::Buffer> {
-    fn trace<'a>(&'a self, stream: &StreamBuffers<'a, E::Buffer>, part: Range<u32>) -> Vec<Launch<'a, E::Buffer>> {
+    fn trace<'a>(
+        &'a self,
+        stream: &StreamBuffers<'a, E::Buffer>,
+        part: Range<u32>,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         let slots = part.start as usize..part.end as usize;
         let threads = threads(part.end - part.start, stream.parameters.max_depth);
         let scene = stream.scene;

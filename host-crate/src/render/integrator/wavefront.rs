@@ -1,7 +1,9 @@
-//! The integrators `compaction` and `streaming`: a pool of paths that all advance by a segment at a time.
+//! The integrators `compaction` and `streaming`: a pool of paths that all advance by a segment at a
+//! time.
 //!
-//! What an iteration's launches do is told in [`raystream_shaders::wavefront`]. Here is how many there are. Nothing is read back on the way, so it must
-//! not depend on how long paths turn out to be: see `passes.rs`.
+//! What an iteration's launches do is told in [`raystream_shaders::integrator::wavefront`]. Here is
+//! how many there are. Nothing is read back on the way, so it must not depend on how long paths
+//! turn out to be: see `passes.rs`.
 
 use super::passes::Pass;
 use super::{Integrator, StreamBuffers};
@@ -9,16 +11,17 @@ use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits, kerne
 use crate::render::film::WINDOW_ALIGNMENT;
 use bytemuck::Zeroable;
 use glam::UVec4;
-use raystream_shaders::pool::POOL_ROWS;
-use raystream_shaders::prefix::BlockParams;
-use raystream_shaders::wavefront::{Queue, WavefrontParams};
+use raystream_shaders::integrator::wavefront::pool::POOL_ROWS;
+use raystream_shaders::integrator::wavefront::{Queue, WavefrontParams};
+use raystream_shaders::parallel::prefix::BlockParams;
 use std::ops::Range;
 
-/// Paths in the pool of `streaming`, at most: enough to fill any GPU, few enough that their states stay near the processor. `compaction` needs no larger pool
-/// than a stream is long.
+/// Paths in the pool of `streaming`, at most: enough to fill any GPU, few enough that their states
+/// stay near the processor. `compaction` needs no larger pool than a stream is long.
 const STREAMING_POOL: u32 = 1 << 20;
 
-/// A pool that must be replaced more often than this until a stream ends would take thousands of launches: then there is not enough memory.
+/// A pool that must be replaced more often than this until a stream ends would take thousands of
+/// launches: then there is not enough memory.
 const MOST_REPLACEMENTS: u32 = 16;
 
 /// See the [module](self).
@@ -41,26 +44,36 @@ pub struct Wavefront<B> {
 
 impl<B> Wavefront<B> {
     /// Removes terminated paths; for streams of at most `stream` slots.
-    pub fn compaction<E: Executor<Buffer = B>>(executor: &E, stream: u32) -> Result<Self, ExecError> {
+    pub fn compaction<E: Executor<Buffer = B>>(
+        executor: &E,
+        stream: u32,
+    ) -> Result<Self, ExecError> {
         Self::of_capacity(executor, stream, stream, false)
     }
 
     /// Removes terminated paths and puts new ones into their places; likewise.
-    pub fn streaming<E: Executor<Buffer = B>>(executor: &E, stream: u32) -> Result<Self, ExecError> {
+    pub fn streaming<E: Executor<Buffer = B>>(
+        executor: &E,
+        stream: u32,
+    ) -> Result<Self, ExecError> {
         Self::of_capacity(executor, stream, stream.min(STREAMING_POOL), true)
     }
 
-    /// A pool of `capacity` paths, or half as many, and so on, until the device has room for it. Less than a sixteenth of the stream is an error.
+    /// A pool of `capacity` paths, or half as many, and so on, until the device has room for it.
+    /// Less than a sixteenth of the stream is an error.
     pub fn of_capacity<E: Executor<Buffer = B>>(
         executor: &E,
         stream: u32,
         capacity: u32,
         regenerates: bool,
     ) -> Result<Self, ExecError> {
-        let fitting = executor.limits().buffer_bytes / (u64::from(POOL_ROWS) * size_of::<UVec4>() as u64);
+        let fitting =
+            executor.limits().buffer_bytes / (u64::from(POOL_ROWS) * size_of::<UVec4>() as u64);
         let capacity = u64::from(capacity).min(fitting).max(1) as u32;
         let smallest = (stream / MOST_REPLACEMENTS).max(4 * WINDOW_ALIGNMENT);
-        halve_until_it_fits(capacity, smallest, |capacity| Self::allocate(executor, stream, capacity, regenerates))
+        halve_until_it_fits(capacity, smallest, |capacity| {
+            Self::allocate(executor, stream, capacity, regenerates)
+        })
     }
 
     fn allocate<E: Executor<Buffer = B>>(
@@ -78,14 +91,23 @@ impl<B> Wavefront<B> {
             rows: Array::zeroed(executor, "paths under way", lanes * POOL_ROWS as usize)?,
             goes_on: Array::zeroed(executor, "which paths go on", lanes)?,
             kept: Array::zeroed(executor, "a queue of paths", lanes)?,
-            offsets: Array::zeroed(executor, "sums over paths", BlockParams::per_block(capacity).blocks as usize + 1)?,
+            offsets: Array::zeroed(
+                executor,
+                "sums over paths",
+                BlockParams::per_block(capacity).blocks as usize + 1,
+            )?,
             queues: Array::zeroed(executor, "lengths of queues", iterations)?,
         })
     }
 
     /// The passes over a part of a stream.
     fn passes(&self, stream: &StreamBuffers<'_, B>, part: &Range<u32>) -> Vec<Pass> {
-        Pass::all(part.end - part.start, self.capacity, self.regenerates, stream.parameters.max_depth)
+        Pass::all(
+            part.end - part.start,
+            self.capacity,
+            self.regenerates,
+            stream.parameters.max_depth,
+        )
     }
 }
 
@@ -104,7 +126,8 @@ impl<'a, B> Launcher<'a, '_, B> {
         for iteration in start..end {
             launches.push(self.trace(iteration));
             launches.push(self.shade(iteration));
-            // In the last iteration of all every path is at its last segment, where no light is sampled.
+            // In the last iteration of all every path is at its last segment, where no light is
+            // sampled.
             if iteration + 1 < end || self.pass.leaves_paths {
                 launches.push(self.shadow(iteration));
                 launches.extend(self.compact());
@@ -189,7 +212,11 @@ impl<'a, B> Launcher<'a, '_, B> {
         [
             Launch::new(&kernels::sum_blocks, &per_block, vec![goes_on.view(), offsets.view()]),
             Launch::new(&kernels::scan_blocks, &one, vec![offsets.view()]),
-            Launch::new(&kernels::scatter_kept, &per_block, vec![goes_on.view(), offsets.view(), kept.view()]),
+            Launch::new(
+                &kernels::scatter_kept,
+                &per_block,
+                vec![goes_on.view(), offsets.view(), kept.view()],
+            ),
         ]
     }
 
@@ -214,10 +241,17 @@ impl<'a, B> Launcher<'a, '_, B> {
 }
 
 impl<E: Executor> Integrator<E> for Wavefront<E::Buffer> {
-    fn trace<'a>(&'a self, stream: &StreamBuffers<'a, E::Buffer>, part: Range<u32>) -> Vec<Launch<'a, E::Buffer>> {
+    fn trace<'a>(
+        &'a self,
+        stream: &StreamBuffers<'a, E::Buffer>,
+        part: Range<u32>,
+    ) -> Vec<Launch<'a, E::Buffer>> {
         let slots = part.start as usize..part.end as usize;
         let passes = self.passes(stream, &part);
-        passes.iter().flat_map(|pass| Launcher { pool: self, stream, part: slots.clone(), pass }.all()).collect()
+        passes
+            .iter()
+            .flat_map(|pass| Launcher { pool: self, stream, part: slots.clone(), pass }.all())
+            .collect()
     }
 
     fn active_paths(
@@ -226,7 +260,8 @@ impl<E: Executor> Integrator<E> for Wavefront<E::Buffer> {
         stream: &StreamBuffers<'_, E::Buffer>,
         part: Range<u32>,
     ) -> Result<Vec<u32>, ExecError> {
-        let iterations = self.passes(stream, &part).last().map_or(0, |pass| pass.iterations.end) as usize;
+        let iterations =
+            self.passes(stream, &part).last().map_or(0, |pass| pass.iterations.end) as usize;
         let queues = self.queues.read_range(executor, 0..iterations)?;
         Ok(queues.into_iter().map(|queue| queue.active).collect())
     }

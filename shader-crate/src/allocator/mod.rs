@@ -1,0 +1,6 @@
+//! From errors to a stream: how many samples each pixel gets in a round.
+
+pub mod atomic;
+pub mod error_scale;
+pub mod paper;
+pub mod runs;

@@ -1,0 +1,308 @@
+//! Estimates of a pixel's error, and what allocators and the stop of a render make of them.
+//!
+//! An estimator gives an [`Estimate`]: a picture, and the squared error of the measured one.
+//! [`ErrorForm::of`] turns it into the number that allocators go by. The estimator `bilateral` is
+//! in [`crate::estimator::bilateral`]; `halves` and `variance` are here.
+
+pub mod bilateral;
+pub mod guide;
+
+use crate::estimator::guide::Guide;
+use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
+use crate::glam::Vec3;
+use crate::math::is_finite;
+use crate::memory::access::at;
+use crate::memory::device_struct;
+
+/// The error that allocators take as "no more samples".
+pub const CONVERGED: f32 = -1.0;
+
+/// The soft floor of relative errors, in mean radiances of the picture. Pixels much darker than
+/// this count by their absolute error: a viewer adapted to the picture does not see noise there,
+/// and nothing black divides by zero.
+pub const SOFT_FLOOR: f32 = 0.1;
+
+/// Samples from which a pixel's own variance says whether it has converged. That of fewer is itself
+/// very uncertain, and 0 where a rare bright path is still to be found.
+pub const TRUSTED_SAMPLES: u32 = 64;
+
+device_struct! {
+    /// What an estimator thinks of one pixel. 16 bytes.
+    pub struct Estimate {
+        /// The filtered picture (or the mean radiance, where the estimator filters nothing), linear
+        /// Rec.709.
+        pub filtered: Vec3,
+        /// Estimated squared error of the pixel's mean radiance: the mean over the components, in
+        /// squared radiance.
+        pub squared_error: f32,
+    }
+}
+
+device_struct! {
+    /// How the allocators' error follows from an estimate. 16 bytes.
+    pub struct ErrorForm {
+        /// Samples that the coming round gives a pixel on average; above 0.
+        pub samples_of_round: f32,
+        /// Mean radiance of the whole picture, over pixels and components; scales the
+        /// [`SOFT_FLOOR`].
+        pub mean_radiance: f32,
+        /// Relative error at which a pixel has converged; 0 for never.
+        pub noise: f32,
+        /// 1: allocators go by relative errors; 0: by absolute ones.
+        pub relative: u32,
+    }
+}
+
+impl ErrorForm {
+    /// The allocators' error of the pixel `guide`: the squared error, absolute or relative, times
+    /// the part of it that the coming round would take away if the pixel got its average share
+    /// (Podee et al., equation 1); or [`CONVERGED`]; or 0 where that is not finite.
+    ///
+    /// `spread` is another estimate of the squared error, and a pixel of few samples has converged
+    /// when both are small: an estimate that is one random number squared is often small by chance.
+    /// Both look at neighbours, which may be noisy for ever when they have converged by their own
+    /// brightness. So from [`TRUSTED_SAMPLES`] on the pixel's own variance decides alone, which its
+    /// own samples bring down: every pixel converges.
+    pub fn of(&self, estimate: &Estimate, spread: f32, guide: &Guide) -> f32 {
+        let relative =
+            relative_error(estimate.filtered, estimate.squared_error, self.mean_radiance);
+        let doubtful = relative_error(estimate.filtered, spread, self.mean_radiance);
+        if !is_finite(relative) || !is_finite(doubtful) {
+            return 0.0;
+        }
+        let worst = if guide.samples < TRUSTED_SAMPLES {
+            relative.max(doubtful)
+        } else {
+            relative_error(guide.color, guide.variance, self.mean_radiance)
+        };
+        if self.noise > 0.0 && worst <= self.noise * self.noise {
+            return CONVERGED;
+        }
+        let current = if self.relative != 0 { relative } else { estimate.squared_error };
+        let reduction =
+            current * (self.samples_of_round / (self.samples_of_round + guide.samples as f32));
+        if is_finite(reduction) { reduction } else { 0.0 }
+    }
+}
+
+/// A squared error over the squared brightness of its pixel, which is softly kept from being far
+/// below the picture's `mean_radiance`.
+pub fn relative_error(color: Vec3, squared_error: f32, mean_radiance: f32) -> f32 {
+    let radiance = color.dot(Vec3::ONE) * (1.0 / 3.0);
+    let floor = SOFT_FLOOR * mean_radiance;
+    // No error is none, however dark it is.
+    if squared_error == 0.0 { 0.0 } else { squared_error / (radiance * radiance + floor * floor) }
+}
+
+device_struct! {
+    /// The parameters of [`noise_errors`]. 48 bytes.
+    pub struct NoiseParams {
+        /// Pixels to estimate.
+        pub threads: u32,
+        /// Rank of the first; estimates and errors that are bound start there.
+        pub first_rank: u32,
+        /// Picture width in pixels.
+        pub width: u32,
+        /// Picture height in pixels.
+        pub height: u32,
+        /// What becomes of the estimate.
+        pub form: ErrorForm,
+        /// 1: squared errors are averaged over 3x3 pixels; 0: each pixel's own.
+        pub smooth: u32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// Unused; zero.
+        pub pad2: u32,
+    }
+}
+
+/// Kernel: the estimators `halves` and `variance`, whichever variance the guides have.
+///
+/// The variance of a few samples is itself very uncertain: a pixel that has not yet found a rare
+/// bright path looks converged. Its neighbours are likely to have found it.
+pub fn noise_errors(
+    lane: u32,
+    params: &NoiseParams,
+    guides: &[Guide],
+    estimate: &mut Estimate,
+    error: &mut f32,
+) {
+    let rank = params.first_rank + lane;
+    let guide = at(guides, rank);
+    *estimate = Estimate { filtered: guide.color, squared_error: 0.0 };
+    *error = 0.0;
+    if guide.is_measured() {
+        estimate.squared_error = if params.smooth != 0 {
+            smoothed_variance(params, guides, rank)
+        } else {
+            guide.variance
+        };
+        *error = params.form.of(estimate, guide.variance, &guide);
+    }
+}
+
+/// The variance about a pixel that is measured: averaged over 3x3 pixels, by the weights 1, 2, 1
+/// along each axis, of which those outside the picture and those without a measurement are left
+/// out.
+fn smoothed_variance(params: &NoiseParams, guides: &[Guide], rank: u32) -> f32 {
+    let (x, y) = pixel_of_rank(rank, params.width, params.height);
+    let along = |middle: bool| if middle { 2.0 } else { 1.0 };
+    let (right, bottom) = ((x + 1).min(params.width - 1), (y + 1).min(params.height - 1));
+    let (mut sum, mut weights) = (0.0, 0.0);
+    let mut row = y - y.min(1);
+    while row <= bottom {
+        let mut column = x - x.min(1);
+        while column <= right {
+            let guide = at(guides, rank_of_pixel(column, row, params.width, params.height));
+            if guide.is_measured() {
+                let weight = along(column == x) * along(row == y);
+                sum += weight * guide.variance;
+                weights += weight;
+            }
+            column += 1;
+        }
+        row += 1;
+    }
+    sum / weights
+}
+
+device_struct! {
+    /// The parameters of [`total_errors`]. 16 bytes.
+    pub struct TotalParams {
+        /// Partial sums.
+        pub threads: u32,
+        /// Pixels of the picture.
+        pub pixels: u32,
+        /// As [`ErrorForm::mean_radiance`].
+        pub mean_radiance: f32,
+        /// Unused; zero.
+        pub pad: u32,
+    }
+}
+
+device_struct! {
+    /// A partial sum over pixels. 16 bytes.
+    pub struct ErrorTotal {
+        /// Sum of relative squared errors, whatever form the allocators go by.
+        pub relative_error: f32,
+        /// Sum of the estimates' radiance, its mean over the components.
+        pub radiance: f32,
+        /// Pixels that have not converged: those with an error above 0.
+        pub unconverged: u32,
+        /// Unused; zero.
+        pub pad: u32,
+    }
+}
+
+/// Kernel: the sum over every `threads`-th pixel, from pixel `lane` on.
+pub fn total_errors(
+    lane: u32,
+    params: &TotalParams,
+    estimates: &[Estimate],
+    errors: &[f32],
+    total: &mut ErrorTotal,
+) {
+    let (mut relative, mut radiance, mut unconverged) = (0.0, 0.0, 0);
+    let mut pixel = lane;
+    while pixel < params.pixels {
+        let estimate = at(estimates, pixel);
+        let error = relative_error(estimate.filtered, estimate.squared_error, params.mean_radiance);
+        if is_finite(error) {
+            relative += error;
+        }
+        radiance += estimate.filtered.dot(Vec3::ONE) * (1.0 / 3.0);
+        if at(errors, pixel) > 0.0 {
+            unconverged += 1;
+        }
+        pixel += params.threads;
+    }
+    *total = ErrorTotal { relative_error: relative, radiance, unconverged, pad: 0 };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORM: ErrorForm =
+        ErrorForm { samples_of_round: 3.0, mean_radiance: 2.0, noise: 0.0, relative: 0 };
+
+    fn estimate(radiance: f32, squared_error: f32) -> Estimate {
+        Estimate { filtered: Vec3::new(0.0, radiance, 2.0 * radiance), squared_error }
+    }
+
+    /// A pixel whose own variance is large.
+    fn guide(samples: u32) -> Guide {
+        Guide { color: Vec3::ONE, variance: 100.0, samples, ..Guide::default() }
+    }
+
+    fn close(a: f32, b: f32) {
+        assert!((a - b).abs() <= 4.0 * f32::EPSILON * b.abs(), "{a} and {b}");
+    }
+
+    #[test]
+    fn the_error_is_what_a_round_takes_away() {
+        close(FORM.of(&estimate(1.0, 8.0), 8.0, &guide(5)), 8.0 * 3.0 / (3.0 + 5.0));
+        close(FORM.of(&estimate(1.0, 8.0), 0.0, &guide(1000)), 8.0 * 3.0 / 1003.0);
+        assert_eq!(FORM.of(&estimate(1.0, 0.0), 0.0, &guide(5)), 0.0);
+    }
+
+    #[test]
+    fn relative_errors_ignore_brightness_down_to_the_floor() {
+        let form = ErrorForm { relative: 1, ..FORM };
+        close(form.of(&estimate(1.0, 8.0), 8.0, &guide(5)), 8.0 / (1.0 + 0.2 * 0.2) * 3.0 / 8.0);
+        close(form.of(&estimate(0.0, 8.0), 8.0, &guide(5)), 8.0 / (0.2 * 0.2) * 3.0 / 8.0);
+        // The same picture under lamps of another unit.
+        let brighter = ErrorForm { mean_radiance: 2.0 * 1024.0, ..form };
+        assert_eq!(
+            brighter.of(&estimate(1024.0, 8.0 * 1024.0 * 1024.0), 0.0, &guide(5)),
+            form.of(&estimate(1.0, 8.0), 0.0, &guide(5))
+        );
+    }
+
+    #[test]
+    fn pixels_converge_when_all_that_is_known_of_their_error_is_small() {
+        for relative in [0, 1] {
+            let form = ErrorForm { noise: 0.5, relative, mean_radiance: 0.0, ..FORM };
+            assert_eq!(form.of(&estimate(2.0, 1.0), 1.0, &guide(5)), CONVERGED);
+            assert_eq!(form.of(&estimate(2.0, 0.0), 0.0, &guide(5)), CONVERGED);
+            assert_eq!(form.of(&estimate(0.0, 0.0), 0.0, &guide(5)), CONVERGED, "black");
+            assert!(form.of(&estimate(2.0, 1.01), 1.0, &guide(5)) > 0.0);
+            assert!(form.of(&estimate(2.0, 0.1), 1.01, &guide(5)) > 0.0);
+            assert!(
+                ErrorForm { noise: 0.0, ..form }.of(&estimate(2.0, 1e-9), 0.0, &guide(5)) > 0.0,
+                "switched off"
+            );
+        }
+    }
+
+    #[test]
+    fn a_pixel_of_many_samples_is_judged_by_its_own_variance() {
+        let form = ErrorForm { noise: 0.5, mean_radiance: 0.0, ..FORM };
+        let noisy = guide(TRUSTED_SAMPLES);
+        assert!(form.of(&estimate(2.0, 0.1), 0.1, &noisy) > 0.0, "whatever others say");
+        let calm = Guide { variance: 0.25, ..noisy };
+        assert_eq!(form.of(&estimate(2.0, 100.0), 100.0, &calm), CONVERGED, "whatever others say");
+        assert!(
+            form.of(&estimate(2.0, 100.0), 0.1, &Guide { samples: TRUSTED_SAMPLES - 1, ..calm })
+                > 0.0
+        );
+    }
+
+    #[test]
+    fn what_is_not_finite_asks_for_nothing() {
+        for form in [FORM, ErrorForm { relative: 1, noise: 0.1, ..FORM }] {
+            for bad in [f32::NAN, f32::INFINITY] {
+                assert_eq!(form.of(&estimate(1.0, bad), 1.0, &guide(5)), 0.0);
+                assert_eq!(form.of(&estimate(1.0, 1.0), bad, &guide(5)), 0.0);
+                assert_eq!(form.of(&estimate(bad, f32::NAN), 1.0, &guide(5)), 0.0);
+            }
+        }
+        // A black picture with an error: over nothing, so of no known size.
+        assert_eq!(
+            ErrorForm { mean_radiance: 0.0, ..FORM }.of(&estimate(0.0, 1.0), 1.0, &guide(5)),
+            0.0
+        );
+    }
+}

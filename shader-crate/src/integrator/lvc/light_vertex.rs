@@ -1,0 +1,82 @@
+//! A vertex of a light path, in 64 bytes: four `uvec4`s.
+//!
+//! ```text
+//! position xyz, magnitude | triangle's normal xyz, norm | shading normal xyz, segments | flux xyz, unused
+//! ```
+//!
+//! What the words of a row are, [`crate::memory::rows`] says. What a diffuse surface sends to a
+//! point depends on where its light came from through the flux alone, so the way it arrived is not
+//! kept.
+
+use crate::glam::{UVec4, Vec3};
+use crate::memory::access::Scatter;
+use crate::memory::rows::{row, vector};
+use crate::scene::ray::SurfacePoint;
+
+/// `uvec4`s of one vertex.
+pub const ROWS_PER_VERTEX: u32 = 4;
+
+/// A diffuse vertex of a light path.
+#[cfg_attr(not(target_arch = "spirv"), derive(Debug, PartialEq))]
+#[derive(Clone, Copy)]
+pub struct LightVertex {
+    /// Where it is, in world units.
+    pub position: Vec3,
+    /// [`SurfacePoint::magnitude`]
+    pub magnitude: f32,
+    /// Unit normal of the triangle, of either sign.
+    pub geometric: Vec3,
+    /// [`Subpath::norm`](super::mis::Subpath::norm) of the light path.
+    pub norm: f32,
+    /// Shading normal, unit length, on the side that the light came from and goes to.
+    pub normal: Vec3,
+    /// Segments of the light path, from 1.
+    pub segments: u32,
+    /// The flux that the path carries here times the BSDF (reflectance over pi): times cosine over
+    /// squared distance, what it adds to the irradiance of a point that sees it; linear Rec.709.
+    pub flux: Vec3,
+}
+
+impl LightVertex {
+    /// The four rows of the buffer.
+    pub fn to_rows(&self) -> [UVec4; 4] {
+        [
+            row(self.position, self.magnitude.to_bits()),
+            row(self.geometric, self.norm.to_bits()),
+            row(self.normal, self.segments),
+            row(self.flux, 0),
+        ]
+    }
+
+    /// Unpacks the four rows.
+    pub fn from_rows(rows: [UVec4; 4]) -> Self {
+        Self {
+            position: vector(rows[0]),
+            magnitude: f32::from_bits(rows[0].w),
+            geometric: vector(rows[1]),
+            norm: f32::from_bits(rows[1].w),
+            normal: vector(rows[2]),
+            segments: rows[2].w,
+            flux: vector(rows[3]),
+        }
+    }
+
+    /// Where it is, and how a ray leaves it.
+    pub fn point(&self, offset_roundings: f32) -> SurfacePoint {
+        SurfacePoint {
+            position: self.position,
+            normal: self.geometric,
+            magnitude: self.magnitude,
+            offset_roundings,
+        }
+    }
+
+    /// Writes it from row `first` on.
+    pub fn store(&self, rows: &mut Scatter<'_, UVec4>, first: u32) {
+        let [a, b, c, d] = self.to_rows();
+        rows.set(first, a);
+        rows.set(first + 1, b);
+        rows.set(first + 2, c);
+        rows.set(first + 3, d);
+    }
+}

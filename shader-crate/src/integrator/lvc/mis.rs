@@ -1,0 +1,225 @@
+//! How the techniques that could have made the same path are weighed: the power heuristic, by
+//! recursion.
+//!
+//! Let the vertices of a path be `x_0` on a light, up to `x_K` at the camera, `f_i` the density per
+//! area with which a path from the light finds `x_i` after `x_(i-1)`, and `b_i` that with which a
+//! path from the camera finds it after `x_(i+1)`. The technique with `s` vertices of a light path
+//! has the density `p_s = f_0 ... f_(s-1) b_s ... b_K`. With `n_s` samples of each, the power
+//! heuristic with exponent 2 (Veach 1997, section 9.2.2) gives it the weight
+//!
+//! ```text
+//! w_s = 1 / (1 + sum over i < s and i > s of (n_i p_i / (n_s p_s))^2)
+//! ```
+//!
+//! The sum over `i < s` is `(b_(s-1) L / n_s)^2`, where `L` knows nothing beyond `x_(s-1)` but the
+//! side from which `x_s` is seen:
+//!
+//! ```text
+//! L^2 = (n_(s-1) / f_(s-1))^2 + (r E)^2
+//! E   = c / (q c' ) * L of the vertex before
+//! ```
+//!
+//! with `q` the density per solid angle with which the vertex before chose the direction to
+//! `x_(s-1)`, `r` that with which `x_(s-1)` would choose the direction back, `c` and `c'` the
+//! cosines of that segment at its two ends; the squared distance cancels. The first term is the
+//! technique that connects the two, so it is left out if one of them is specular; there `r / q`
+//! becomes the ratio of the solid angles of a refraction. The sum over `i > s` is the same from the
+//! other side. These are the quantities `dVCM` and `dVC` of Georgiev, "Implementing Vertex
+//! Connection and Merging", 2012, kept as norms, not as squares: these would overflow in scenes of
+//! large coordinates.
+//!
+//! Roulette is not in the densities, since a path from the other side could not know it: weights
+//! need only be the same function of the path for all techniques. Light tracing (`s = K`, the
+//! camera's vertex alone from its side) would enter through [`Subpath::FROM_CAMERA`], whose
+//! `adjacent` it would make the number of its samples over the density of the camera's ray.
+
+use crate::glam::Vec3;
+use crate::math::power_heuristic;
+use crate::scene::bsdf::BsdfSample;
+use crate::scene::surface::Surface;
+use core::f32::consts::FRAC_1_PI;
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float as _;
+
+/// How many samples of each technique an eye path has, in the weights. Any numbers make weights
+/// that sum to 1, as long as they are the same for all; 0 leaves a technique out.
+#[derive(Clone, Copy)]
+pub struct TechniqueSamples {
+    /// Of running into a light: 1.
+    pub emission: f32,
+    /// Of next-event estimation at each vertex: 1.
+    pub light: f32,
+    /// Of connecting each vertex with the vertices of one number of light paths: `M` draws among
+    /// the vertices of `N` light paths that have `C` on average are `M / C` for each path.
+    pub connection: f32,
+}
+
+impl TechniqueSamples {
+    /// Of the technique with `vertices` vertices from the light's side.
+    pub fn of(&self, vertices: u32) -> f32 {
+        if vertices == 0 {
+            self.emission
+        } else if vertices == 1 {
+            self.light
+        } else {
+            self.connection
+        }
+    }
+}
+
+/// Cosines count as at least this: beyond, the roundings of normals and directions are larger than
+/// they are.
+const SMALLEST_COSINE: f32 = 1e-6;
+
+/// The cosine between a unit normal of either sign and a unit direction, above 0.
+pub fn cosine(normal: Vec3, direction: Vec3) -> f32 {
+    normal.dot(direction).abs().max(SMALLEST_COSINE)
+}
+
+/// Lambert's density of a direction with this cosine, per solid angle.
+pub fn lambert(cosine: f32) -> f32 {
+    cosine * FRAC_1_PI
+}
+
+/// `sqrt(a^2 + b^2)` without overflow on the way, for `a` and `b` from 0 on.
+pub fn norm(a: f32, b: f32) -> f32 {
+    let (small, large) = if a < b { (a, b) } else { (b, a) };
+    if large > 0.0 {
+        let ratio = small / large;
+        large * (1.0 + ratio * ratio).sqrt()
+    } else {
+        0.0
+    }
+}
+
+/// A part of a path, from the light or from the camera to its last vertex, as far as weights go.
+#[derive(Clone, Copy)]
+pub struct Subpath {
+    /// 1 over the density of the last vertex per area (`1 / f`), or 0 where the vertex before is
+    /// specular or there is no such technique.
+    pub adjacent: f32,
+    /// What all techniques with fewer vertices come to, before it is multiplied by the density of
+    /// the direction back: `E`.
+    pub earlier: f32,
+}
+
+impl Subpath {
+    /// The camera alone. No technique makes the first vertex that it sees from the light's side.
+    pub const FROM_CAMERA: Self = Self { adjacent: 0.0, earlier: 0.0 };
+
+    /// A point on a light, chosen with `pdf` per area.
+    pub fn from_light(pdf: f32) -> Self {
+        Self { adjacent: 1.0 / pdf, earlier: 0.0 }
+    }
+
+    /// After a direction under this `cosine` has been chosen on the light with Lambert's density;
+    /// `samples` are those of [`TechniqueSamples::emission`].
+    pub fn emit(self, cosine: f32, samples: f32) -> Self {
+        self.diffuse(cosine, lambert(cosine), self.norm(samples, 0.0))
+    }
+
+    /// After the segment to the next vertex, `distance` long, that arrives with this `cosine` to
+    /// the triangle's normal.
+    pub fn arrive(self, distance: f32, cosine: f32) -> Self {
+        Self {
+            adjacent: self.adjacent * distance / cosine * distance,
+            earlier: self.earlier / cosine,
+        }
+    }
+
+    /// The norm of all techniques with fewer vertices: the last vertex is multiplied by the density
+    /// that the other side's path has for it. `samples` are those of the technique without the last
+    /// vertex, `back` the density of the direction back to the vertex before.
+    pub fn norm(&self, samples: f32, back: f32) -> f32 {
+        norm(samples * self.adjacent, back * self.earlier)
+    }
+
+    /// After the direction `sample` has been chosen at `surface`, where the path arrived along
+    /// `incoming`; `samples` as in [`Self::norm`].
+    pub fn scatter(
+        self,
+        surface: &Surface,
+        incoming: Vec3,
+        sample: &BsdfSample,
+        samples: f32,
+    ) -> Self {
+        let leaving = cosine(surface.point.normal, sample.direction);
+        let from = cosine(surface.normal, incoming);
+        let to = cosine(surface.normal, sample.direction);
+        if sample.pdf > 0.0 {
+            return self.diffuse(leaving, lambert(to), self.norm(samples, lambert(from)));
+        }
+        // The chances of the lobe are the same from both sides, and what is left of the ratio of
+        // two delta distributions is that of the solid angles: 1 for a reflection, and by Snell's
+        // law n1^2 cos1 / (n2^2 cos2) for a refraction.
+        let mut solid_angles = 1.0;
+        if is_transmitted(surface, sample) {
+            let eta = if surface.from_outside {
+                surface.material.ior
+            } else {
+                1.0 / surface.material.ior
+            };
+            solid_angles = from / (eta * eta * to);
+        }
+        Self { adjacent: 0.0, earlier: solid_angles * leaving * self.earlier }
+    }
+
+    /// After a direction of density `pdf` has been chosen at a diffuse vertex of this `norm`.
+    fn diffuse(self, leaving: f32, pdf: f32, norm: f32) -> Self {
+        Self { adjacent: 1.0 / pdf, earlier: leaving / pdf * norm }
+    }
+}
+
+/// Whether a specular sample crosses the surface.
+pub fn is_transmitted(surface: &Surface, sample: &BsdfSample) -> bool {
+    sample.pdf == 0.0 && sample.direction.dot(surface.normal) < 0.0
+}
+
+/// The weight of emission that an eye path ran into, whose end is `eye`: on a light that is chosen
+/// with `light_pdf` per area and emits back along the path under this `cosine`.
+pub fn emission_weight(
+    samples: &TechniqueSamples,
+    eye: &Subpath,
+    light_pdf: f32,
+    cosine: f32,
+) -> f32 {
+    power_heuristic(samples.emission, light_pdf * eye.norm(samples.light, lambert(cosine)))
+}
+
+/// The segment between the ends of two subpaths that are put together.
+#[derive(Clone, Copy)]
+pub struct Join {
+    /// Density per area with which the path from the camera would find the end of the light's.
+    pub to_light: f32,
+    /// Density per area with which the path from the light would find the end of the camera's.
+    pub to_eye: f32,
+}
+
+impl Join {
+    /// Between two surfaces at this squared distance, with the cosines to their triangles' normals
+    /// and the densities of the direction to the other per solid angle.
+    pub fn new(
+        distance2: f32,
+        eye_cosine: f32,
+        eye_pdf: f32,
+        light_cosine: f32,
+        light_pdf: f32,
+    ) -> Self {
+        Self {
+            to_light: eye_pdf * light_cosine / distance2,
+            to_eye: light_pdf * eye_cosine / distance2,
+        }
+    }
+}
+
+/// The weight of next-event estimation at a vertex whose [norm](Subpath::norm) is `eye`, of a point
+/// that is chosen with `light_pdf` per area.
+pub fn light_weight(samples: &TechniqueSamples, join: &Join, eye: f32, light_pdf: f32) -> f32 {
+    let emission = join.to_light * (samples.emission / light_pdf);
+    power_heuristic(samples.light, norm(emission, join.to_eye * eye))
+}
+
+/// The weight of the connection of two vertices with the [norms](Subpath::norm) `eye` and `light`.
+pub fn connection_weight(samples: &TechniqueSamples, join: &Join, eye: f32, light: f32) -> f32 {
+    power_heuristic(samples.connection, norm(join.to_light * light, join.to_eye * eye))
+}

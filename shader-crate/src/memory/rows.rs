@@ -1,0 +1,18 @@
+//! Rows: sixteen bytes of a vector and a word, read and written at once.
+//!
+//! The words are bits of f32 where they are lengths. They travel as integers because a small
+//! integer, read as a float, is a denormal, which a GPU may flush to zero.
+
+use crate::glam::{UVec4, Vec3};
+
+/// The row of a vector and a word.
+#[inline(always)]
+pub fn row(vector: Vec3, word: u32) -> UVec4 {
+    UVec4::new(vector.x.to_bits(), vector.y.to_bits(), vector.z.to_bits(), word)
+}
+
+/// The vector of a row.
+#[inline(always)]
+pub fn vector(row: UVec4) -> Vec3 {
+    Vec3::new(f32::from_bits(row.x), f32::from_bits(row.y), f32::from_bits(row.z))
+}
