@@ -22,13 +22,9 @@ fn compact<E: Executor>(executor: &E, keep: &[u32]) -> Vec<u32> {
     let kept: Array<_, u32> = Array::zeroed(executor, "kept", len as usize).unwrap();
     executor
         .run(&[
-            Launch::new(&kernels::sum_blocks, &per_block, vec![keep.view(), sums.view()]),
-            Launch::new(&kernels::scan_blocks, &BlockParams::one_workgroup(len), vec![sums.view()]),
-            Launch::new(
-                &kernels::scatter_kept,
-                &per_block,
-                vec![keep.view(), sums.view(), kept.view()],
-            ),
+            kernels::sum_blocks(&per_block, keep.view(), sums.view()),
+            kernels::scan_blocks(&BlockParams::one_workgroup(len), sums.view()),
+            kernels::scatter_kept(&per_block, keep.view(), sums.view(), kept.view()),
         ])
         .unwrap();
     let count = sums.read(executor).unwrap()[per_block.blocks as usize];

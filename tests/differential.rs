@@ -16,8 +16,8 @@ use raystream_shaders::film::FilmPixel;
 use raystream_shaders::film::accumulate::CountParams;
 use raystream_shaders::film::stream::{NO_PIXEL, RunWindow, Slot};
 use raystream_shaders::film::tiles::pixel_of_rank;
+use raystream_shaders::integrator::params::PathParams;
 use raystream_shaders::math::random::hash;
-use raystream_shaders::probe::ProbeParams;
 use raystream_shaders::scene::ray::{Hit, Ray};
 
 fn count_rays<E: Executor>(executor: &E, film: &[FilmPixel]) -> Vec<u32> {
@@ -25,9 +25,7 @@ fn count_rays<E: Executor>(executor: &E, film: &[FilmPixel]) -> Vec<u32> {
         CountParams { threads: 64, pixels: film.len() as u32, ..CountParams::zeroed() };
     let film = Array::from_slice(executor, "film", film).unwrap();
     let counts = Array::zeroed(executor, "ray counts", 64).unwrap();
-    executor
-        .run(&[Launch::new(&kernels::count_rays, &parameters, vec![film.view(), counts.view()])])
-        .unwrap();
+    executor.run(&[kernels::count_rays(&parameters, film.view(), counts.view())]).unwrap();
     counts.read(executor).unwrap()
 }
 
@@ -70,22 +68,13 @@ fn hits<E: Executor>(
 ) -> Result<(Vec<Hit>, Vec<u32>), ExecError> {
     let threads = rays.len() as u32;
     let rays = Array::from_slice(executor, "rays", rays)?;
-    let nodes: Array<_, UVec4> = Array::from_slice(executor, "nodes", &scene.nodes)?;
-    let triangles: Array<_, UVec4> = Array::from_slice(executor, "triangles", &scene.triangles)?;
+    let buffers = scene.buffers(executor)?;
     let hits = Array::zeroed(executor, "hits", threads as usize)?;
     let occluded = Array::zeroed(executor, "occluded", threads as usize)?;
-    let parameters = ProbeParams { threads, ..ProbeParams::zeroed() };
+    let parameters = PathParams { threads, scene: scene.params, ..PathParams::zeroed() };
     executor.run(&[
-        Launch::new(
-            &kernels::closest_hits,
-            &parameters,
-            vec![rays.view(), nodes.view(), triangles.view(), hits.view()],
-        ),
-        Launch::new(
-            &kernels::any_hits,
-            &parameters,
-            vec![rays.view(), nodes.view(), triangles.view(), occluded.view()],
-        ),
+        kernels::closest_hits(&parameters, &buffers, rays.view(), hits.view()),
+        kernels::any_hits(&parameters, &buffers, rays.view(), occluded.view()),
     ])?;
     Ok((hits.read(executor)?, occluded.read(executor)?))
 }
@@ -127,15 +116,12 @@ fn assert_same_hits(scene: &PreparedScene, rays: &[Ray], what: &str) {
 
 /// The rays through the pixel centres of the scene's own camera.
 fn primary_rays(scene: &PreparedScene, size: FilmSize, settings: &Settings) -> Vec<Ray> {
-    use raystream_shaders::integrator::path::PathParams;
     let threads = size.width * size.height;
     let slots: Vec<Slot> = (0..threads).map(|rank| Slot { rank, sample: 0 }).collect();
     let slots = Array::from_slice(&CpuExecutor, "slots", &slots).unwrap();
     let rays: Array<_, Ray> = Array::zeroed(&CpuExecutor, "rays", threads as usize).unwrap();
     let parameters = PathParams { threads, ..scene.parameters(&Settings { size, ..*settings }) };
-    CpuExecutor
-        .run(&[Launch::new(&kernels::primary_rays, &parameters, vec![slots.view(), rays.view()])])
-        .unwrap();
+    CpuExecutor.run(&[kernels::primary_rays(&parameters, slots.view(), rays.view())]).unwrap();
     let (x, y) = pixel_of_rank(0, size.width, size.height);
     assert_eq!((x, y), (0, 0));
     rays.read(&CpuExecutor).unwrap()
@@ -238,7 +224,7 @@ fn launches_are_folded_into_rows() {
             Array::from_slice(gpu, "slots", &vec![Slot { rank: 1, sample: 2 }; threads as usize])
                 .unwrap();
         let window = RunWindow { threads, first_rank: 0, pixels: 0, samples: 0 };
-        gpu.run(&[Launch::new(&kernels::clear_slots, &window, vec![slots.view()])]).unwrap();
+        gpu.run(&[kernels::clear_slots(&window, slots.view())]).unwrap();
         let cleared = slots.read(gpu).unwrap();
         assert_eq!(
             cleared.iter().position(|slot| slot.rank != NO_PIXEL),

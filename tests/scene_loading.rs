@@ -5,7 +5,7 @@ mod scene_folder;
 
 use glam::Vec3;
 use raystream::scene::{FilmSize, PathLimits, Scene, embedded, load, load_named};
-use raystream_shaders::scene::bsdf::{DIELECTRIC, DIFFUSE, MIRROR};
+use raystream_shaders::scene::bsdf::MaterialKind;
 use raystream_shaders::scene::texture::NO_TEXTURE;
 use raystream_shaders::scene::triangle::NO_ATTRIBUTES;
 use scene_folder::{MTL, SceneFolder};
@@ -27,7 +27,13 @@ fn the_cornell_box() {
     // white, green, red, light, ball: the order of the OBJ.
     assert_eq!(
         scene.materials.iter().map(|m| m.kind).collect::<Vec<_>>(),
-        [DIFFUSE, DIFFUSE, DIFFUSE, DIFFUSE, MIRROR]
+        [
+            MaterialKind::DIFFUSE,
+            MaterialKind::DIFFUSE,
+            MaterialKind::DIFFUSE,
+            MaterialKind::DIFFUSE,
+            MaterialKind::MIRROR
+        ]
     );
     assert_eq!(scene.materials[0].reflectance, Vec3::new(0.725, 0.71, 0.68));
     assert_eq!(scene.materials[3].emission, Vec3::new(17.0, 12.0, 4.0));
@@ -53,7 +59,7 @@ fn the_glass_ball_differs_by_its_material_only() {
     assert_eq!(glass.triangles, mirror.triangles);
     assert_eq!(glass.materials[..4], mirror.materials[..4]);
     let ball = glass.materials[4];
-    assert_eq!((ball.kind, ball.ior), (DIELECTRIC, 1.5));
+    assert_eq!((ball.kind, ball.ior), (MaterialKind::DIELECTRIC, 1.5));
     assert_eq!((ball.reflectance, ball.transmittance), (Vec3::ONE, Vec3::ONE));
 }
 
@@ -111,12 +117,15 @@ fn material_rules() {
     let m = &scene.materials;
     assert_eq!(
         (m[0].kind, m[0].emission, m[0].reflectance),
-        (DIFFUSE, Vec3::Y * 5.0, Vec3::new(0.1, 0.2, 0.3))
+        (MaterialKind::DIFFUSE, Vec3::Y * 5.0, Vec3::new(0.1, 0.2, 0.3))
     );
-    assert_eq!((m[1].kind, m[1].reflectance), (MIRROR, Vec3::new(0.9, 0.8, 0.7)));
-    assert_eq!((m[2].kind, m[2].ior, m[2].transmittance), (DIELECTRIC, 1.33, Vec3::ONE));
-    assert_eq!((m[3].kind, m[3].reflectance), (DIFFUSE, Vec3::splat(0.25)));
-    assert_eq!((m[4].kind, m[4].reflectance), (DIFFUSE, Vec3::splat(0.5)));
+    assert_eq!((m[1].kind, m[1].reflectance), (MaterialKind::MIRROR, Vec3::new(0.9, 0.8, 0.7)));
+    assert_eq!(
+        (m[2].kind, m[2].ior, m[2].transmittance),
+        (MaterialKind::DIELECTRIC, 1.33, Vec3::ONE)
+    );
+    assert_eq!((m[3].kind, m[3].reflectance), (MaterialKind::DIFFUSE, Vec3::splat(0.25)));
+    assert_eq!((m[4].kind, m[4].reflectance), (MaterialKind::DIFFUSE, Vec3::splat(0.5)));
     assert_eq!((m[5].emission, m[5].reflectance), (Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO));
     assert_eq!(scene.warnings.len(), 1);
     assert!(scene.warnings[0].contains("`absent`"), "{:?}", scene.warnings);
@@ -130,7 +139,7 @@ fn overrides_match_without_any_mtl() {
     assert_eq!(scene.triangles.len(), 1 + 2);
     assert_eq!(
         (scene.materials[0].kind, scene.materials[0].reflectance),
-        (MIRROR, Vec3::new(1.0, 0.5, 0.0))
+        (MaterialKind::MIRROR, Vec3::new(1.0, 0.5, 0.0))
     );
     assert!(
         scene.warnings.iter().any(|w| w.contains("a.obj") && w.contains("`a.mtl`")),

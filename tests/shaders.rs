@@ -4,7 +4,7 @@
 #[path = "../xtask/src/digest.rs"]
 mod digest;
 
-use raystream::exec::kernels::{ALL, Access};
+use raystream::exec::kernels::{Access, table::ALL};
 use rspirv::dr::{Instruction, Module, Operand, load_bytes};
 use rspirv::spirv::{
     Capability, Decoration, ExecutionMode, ExecutionModel, MemoryModel, Op, StorageClass,

@@ -24,7 +24,7 @@ pub struct Small<'e, E> {
 
 impl<'e, E: Executor> Small<'e, E> {
     pub fn new(inner: &'e E, slow_batches: u32) -> Self {
-        Self { inner, slow_batches: SlowBatches::new(&kernels::trace_paths, slow_batches) }
+        Self { inner, slow_batches: SlowBatches::new(&kernels::table::trace_paths, slow_batches) }
     }
 }
 

@@ -5,8 +5,7 @@ use super::common::{prepare, scenes, settings, with_gpu};
 use bytemuck::Zeroable;
 use glam::{UVec4, Vec3};
 use raystream::exec::cpu::CpuExecutor;
-use raystream::exec::{Array, Executor, Launch, kernels};
-use raystream::render::SceneBuffers;
+use raystream::exec::{Array, Executor, kernels};
 use raystream::render::integrator::lvc::gather;
 use raystream_shaders::integrator::lvc::LvcParams;
 use raystream_shaders::integrator::lvc::cache::{HEADER_ROWS, LightCache};
@@ -97,22 +96,14 @@ fn traced_paths_make_the_same_cache_on_every_device() {
         path: prepared.parameters(&settings(&scene)),
         ..LvcParams::zeroed()
     };
-    let buffers = SceneBuffers::new(&CpuExecutor, &prepared).unwrap();
+    let buffers = prepared.buffers(&CpuExecutor).unwrap();
     let counts = Array::zeroed(&CpuExecutor, "counts", paths as usize).unwrap();
     let scratch =
         Array::zeroed(&CpuExecutor, "scratch", (paths * segments * ROWS_PER_VERTEX) as usize)
             .unwrap();
-    let views = vec![
-        buffers.nodes.view(),
-        buffers.triangles.view(),
-        buffers.attributes.view(),
-        buffers.materials.view(),
-        buffers.lights.view(),
-        buffers.texels.view(),
-        counts.view(),
-        scratch.view(),
-    ];
-    CpuExecutor.run(&[Launch::new(&kernels::trace_light_paths, &parameters, views)]).unwrap();
+    CpuExecutor
+        .run(&[kernels::trace_light_paths(&parameters, &buffers, counts.view(), scratch.view())])
+        .unwrap();
     let traced = Paths {
         counts: counts.read(&CpuExecutor).unwrap(),
         vertices_per_path: segments,

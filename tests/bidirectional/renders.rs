@@ -58,7 +58,7 @@ struct Hindered {
 
 impl Hindered {
     fn new(slots: u64) -> Self {
-        Self { slots, slow_batches: SlowBatches::new(&kernels::trace_eye_paths, 3) }
+        Self { slots, slow_batches: SlowBatches::new(&kernels::table::trace_eye_paths, 3) }
     }
 }
 
@@ -128,7 +128,7 @@ fn a_render_is_repeatable() {
         };
         let slow = Hindered::new(1 << 20);
         let fast = Hindered {
-            slow_batches: SlowBatches::new(&kernels::trace_eye_paths, 0),
+            slow_batches: SlowBatches::new(&kernels::table::trace_eye_paths, 0),
             ..Hindered::new(1 << 20)
         };
         assert_eq!(film(&slow), film(&fast), "{:?}", sampling.allocator);

@@ -8,7 +8,7 @@ use raystream_shaders::integrator::lvc::mis::{
     light_weight,
 };
 use raystream_shaders::math::random::{hash, unit_float};
-use raystream_shaders::scene::bsdf::{BsdfSample, DIELECTRIC, DIFFUSE, Material};
+use raystream_shaders::scene::bsdf::{BsdfSample, Material, MaterialKind};
 use raystream_shaders::scene::ray::SurfacePoint;
 use raystream_shaders::scene::surface::Surface;
 use std::f64::consts::PI;
@@ -107,7 +107,7 @@ impl Path {
             let crosses = i > 0
                 && towards(i - 1).dot(vertex.shading) * towards(i + 1).dot(vertex.shading) < 0.0;
             let leaves = i > 0 || towards(1).dot(vertex.geometric) > 0.0;
-            let may_cross = vertex.material.kind == DIELECTRIC;
+            let may_cross = vertex.material.kind == MaterialKind::DIELECTRIC;
             !grazes(vertex.geometric)
                 && !grazes(vertex.shading)
                 && (!crosses || may_cross)
@@ -117,7 +117,7 @@ impl Path {
 
     /// Whether vertex `i` may be connected to: the light and the camera may, if somebody could.
     fn is_diffuse(&self, i: usize) -> bool {
-        i == 0 || self.vertices[i].material.kind == DIFFUSE
+        i == 0 || self.vertices[i].material.kind == MaterialKind::DIFFUSE
     }
 
     /// Whether there is a technique with `s` vertices from the light. That with the camera alone on
@@ -134,7 +134,7 @@ impl Path {
         let vertex = &self.vertices[at];
         let shading = vertex.shading.as_dvec3();
         let cosine = |other| self.direction(at, other).as_dvec3().dot(shading);
-        if vertex.material.kind == DIFFUSE {
+        if vertex.material.kind == MaterialKind::DIFFUSE {
             return cosine(to).abs() / PI;
         }
         if cosine(from) * cosine(to) > 0.0 || to > from {
@@ -201,10 +201,11 @@ impl Path {
                 magnitude: 1.0,
                 offset_roundings: 1.0,
             },
-            normal: if from_outside { vertex.shading } else { -vertex.shading },
-            from_outside,
             from_front: incoming.dot(vertex.geometric) < 0.0,
-            material: vertex.material,
+            bsdf: vertex
+                .material
+                .bsdf(if from_outside { vertex.shading } else { -vertex.shading }, from_outside),
+            emission: vertex.material.emission,
         }
     }
 
@@ -212,9 +213,15 @@ impl Path {
     fn extended(&self, subpath: Subpath, [from, at, to]: [usize; 3], samples: f32) -> Subpath {
         let direction = self.direction(at, to);
         let surface = self.surface(from, at);
-        let specular = surface.material.kind != DIFFUSE;
-        let pdf = if specular { 0.0 } else { lambert(surface.normal.dot(direction)) };
-        let sample = BsdfSample { direction, weight: Vec3::ONE, pdf };
+        let bsdf = &surface.bsdf;
+        let pdf = if bsdf.is_delta() { 0.0 } else { lambert(bsdf.normal.dot(direction)) };
+        let crosses = bsdf.is_delta() && direction.dot(bsdf.normal) < 0.0;
+        let eta = match (crosses, bsdf.from_outside) {
+            (false, _) => 1.0,
+            (true, true) => bsdf.ior,
+            (true, false) => 1.0 / bsdf.ior,
+        };
+        let sample = BsdfSample { direction, weight: Vec3::ONE, pdf, eta };
         self.arrived(subpath.scatter(&surface, self.direction(from, at), &sample, samples), at, to)
     }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use raystream::scene::{CameraSettings, FilmSize, PathLimits, Scene};
-use raystream_shaders::scene::bsdf::{DIELECTRIC, DIFFUSE, MIRROR, Material};
+use raystream_shaders::scene::bsdf::{Material, MaterialKind};
 use raystream_shaders::scene::texture::NO_TEXTURE;
 use raystream_shaders::scene::triangle::Attributes;
 use raystream_shaders::scene::triangle::{NO_ATTRIBUTES, Triangle};
@@ -12,7 +12,7 @@ use std::ops::Range;
 pub fn diffuse(reflectance: f32) -> Material {
     Material {
         reflectance: Vec3::splat(reflectance),
-        kind: DIFFUSE,
+        kind: MaterialKind::DIFFUSE,
         emission: Vec3::ZERO,
         texture: NO_TEXTURE,
         transmittance: Vec3::ONE,
@@ -27,12 +27,12 @@ pub fn emissive(radiance: f32, reflectance: f32) -> Material {
 
 /// An ideal mirror.
 pub fn mirror(reflectance: f32) -> Material {
-    Material { kind: MIRROR, ..diffuse(reflectance) }
+    Material { kind: MaterialKind::MIRROR, ..diffuse(reflectance) }
 }
 
 /// Clear glass.
 pub fn glass(ior: f32) -> Material {
-    Material { kind: DIELECTRIC, ior, ..diffuse(1.0) }
+    Material { kind: MaterialKind::DIELECTRIC, ior, ..diffuse(1.0) }
 }
 
 /// An empty scene of 16x12 pixels with a camera at `origin` that looks at `target`.

@@ -5,7 +5,7 @@ use crate::histogram::{SAMPLERS, cell, histogram, points};
 use glam::{DVec3, Vec3};
 use raystream_shaders::math::random::{BSDF, INDEPENDENT};
 use raystream_shaders::math::{sample_cosine_hemisphere, tangent_frame};
-use raystream_shaders::scene::bsdf::{diffuse_pdf, sample_diffuse};
+use raystream_shaders::scene::bsdf::diffuse;
 use std::f64::consts::{PI, TAU};
 
 const COUNT: u32 = 1 << 17;
@@ -131,17 +131,17 @@ fn the_diffuse_bsdf_has_the_density_that_it_says() {
                 let (sin, cos) = (((c % AZIMUTHS) as f64 + 0.5) / AZIMUTHS as f64 * TAU).sin_cos();
                 let across: DVec3 = tangent * cos + frame.cross(tangent) * sin;
                 let direction = across * (1.0 - cosine * cosine).sqrt() + frame * cosine;
-                f64::from(diffuse_pdf(normal, direction.as_vec3())) * solid_angle
+                f64::from(diffuse::pdf(normal, direction.as_vec3())) * solid_angle
             })
             .collect();
         assert!((probabilities.iter().sum::<f64>() - 1.0).abs() < ROUNDING, "about {normal}");
-        assert_eq!(diffuse_pdf(normal, -normal), 0.0);
+        assert_eq!(diffuse::pdf(normal, -normal), 0.0);
 
         let expected: Vec<f64> = probabilities.iter().map(|p| p * f64::from(COUNT)).collect();
         for (kind, name) in SAMPLERS {
             let cells = points(kind, BSDF, COUNT).map(|u| {
-                let sample = sample_diffuse(reflectance, normal, u);
-                assert_eq!(sample.pdf, diffuse_pdf(normal, sample.direction));
+                let sample = diffuse::sample(reflectance, normal, u);
+                assert_eq!(sample.pdf, diffuse::pdf(normal, sample.direction));
                 let brdf_cosine = reflectance / PI as f32 * normal.dot(sample.direction);
                 assert!(
                     (sample.weight * sample.pdf - brdf_cosine).abs().max_element()

@@ -1,7 +1,7 @@
 //! Counting of random numbers.
 
 use crate::common::statistics::assert_chi_square;
-use raystream_shaders::math::random::{INDEPENDENT, SOBOL, SampleStream};
+use raystream_shaders::math::random::{INDEPENDENT, RandomNumbers, SOBOL};
 
 /// Both kinds of random numbers, with their names.
 pub const SAMPLERS: [(u32, &str); 2] = [(SOBOL, "Sobol"), (INDEPENDENT, "independent")];
@@ -11,7 +11,7 @@ const SIDE: usize = 32;
 
 /// The points that one pixel draws in `dimension`.
 pub fn points(kind: u32, dimension: u32, count: u32) -> impl Iterator<Item = [f32; 2]> {
-    (0..count).map(move |index| SampleStream::new(kind, 7, 1234, index).pair(dimension))
+    (0..count).map(move |index| RandomNumbers::new(kind, 7, 1234, index).pair(dimension))
 }
 
 /// The cell, of `cells` along [0, 1], that holds `u`; what rounding took outside belongs to the

@@ -5,7 +5,7 @@
 use crate::common::statistics::assert_chi_square;
 use crate::histogram::{SAMPLERS, assert_uniform_over_square, histogram};
 use raystream_shaders::math::random::{
-    BSDF, CHOICES, DIMENSIONS_PER_VERTEX, INDEPENDENT, LIGHT_POINT, PIXEL, SOBOL, SampleStream,
+    BSDF, CHOICES, DIMENSIONS_PER_VERTEX, INDEPENDENT, LIGHT_POINT, PIXEL, RandomNumbers, SOBOL,
     hash, of_vertex, scrambled_sobol, unit_float,
 };
 
@@ -37,7 +37,7 @@ fn dimensions_are_independent_over_the_pixels() {
         for index in [0, 1, 13] {
             for (a, b) in DIMENSIONS {
                 let draw = |dimension| {
-                    move |pixel| SampleStream::new(kind, 1, pixel, index).pair(dimension)
+                    move |pixel| RandomNumbers::new(kind, 1, pixel, index).pair(dimension)
                 };
                 assert_independent(
                     draw(a),
@@ -52,22 +52,23 @@ fn dimensions_are_independent_over_the_pixels() {
 #[test]
 fn dimensions_are_independent_over_the_samples() {
     for (a, b) in DIMENSIONS {
-        let draw =
-            |dimension| move |index| SampleStream::new(INDEPENDENT, 1, 4711, index).pair(dimension);
+        let draw = |dimension| {
+            move |index| RandomNumbers::new(INDEPENDENT, 1, 4711, index).pair(dimension)
+        };
         assert_independent(draw(a), draw(b), &format!("dimensions {a} and {b}"));
     }
 }
 
 #[test]
 fn successive_samples_are_independent() {
-    let draw = |step| move |i| SampleStream::new(INDEPENDENT, 1, 4711, 2 * i + step).pair(BSDF);
+    let draw = |step| move |i| RandomNumbers::new(INDEPENDENT, 1, 4711, 2 * i + step).pair(BSDF);
     assert_independent(draw(0), draw(1), "samples 2 i and 2 i + 1");
 }
 
 #[test]
 fn neighbouring_pixels_are_independent() {
     for (kind, name) in SAMPLERS {
-        let draw = |step| move |i| SampleStream::new(kind, 1, 2 * i + step, 5).pair(BSDF);
+        let draw = |step| move |i| RandomNumbers::new(kind, 1, 2 * i + step, 5).pair(BSDF);
         assert_independent(draw(0), draw(1), &format!("{name}: pixels 2 i and 2 i + 1"));
     }
 }
@@ -76,7 +77,7 @@ fn neighbouring_pixels_are_independent() {
 fn seeds_are_independent() {
     for (kind, name) in SAMPLERS {
         for (seed_a, seed_b) in [(0, 1), (1, 2), (1, 0x8000_0001), (3, u32::MAX)] {
-            let stream = |seed, pixel| SampleStream::new(kind, seed, pixel, 2);
+            let stream = |seed, pixel| RandomNumbers::new(kind, seed, pixel, 2);
             let draw = |seed| move |pixel| stream(seed, pixel).pair(BSDF);
             assert_independent(
                 draw(seed_a),
@@ -126,7 +127,7 @@ fn assert_order_is_shuffled(draw: impl Fn(u32, u32) -> [f32; 2]) {
 fn sobol_dimensions_are_shuffled_independently() {
     for (a, b) in DIMENSIONS {
         assert_order_is_shuffled(|pixel, index| {
-            let stream = SampleStream::new(SOBOL, 1, pixel, index);
+            let stream = RandomNumbers::new(SOBOL, 1, pixel, index);
             [stream.pair(a)[0], stream.pair(b)[0]]
         });
     }
@@ -147,7 +148,7 @@ fn a_common_order_is_rejected() {
 #[should_panic(expected = "chi-square")]
 fn dependent_dimensions_are_rejected() {
     let draw =
-        |dimension| move |index| SampleStream::new(INDEPENDENT, 1, 4711, index).pair(dimension);
+        |dimension| move |index| RandomNumbers::new(INDEPENDENT, 1, 4711, index).pair(dimension);
     let dependent = |index| {
         let ([ax, ay], [bx, by]) = (draw(BSDF)(index), draw(CHOICES)(index));
         [(bx + 0.1 * ax).fract(), if index % 10 == 0 { ay } else { by }]

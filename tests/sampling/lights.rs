@@ -5,9 +5,9 @@ use crate::common::{prepare, statistics::assert_chi_square};
 use crate::histogram::{SAMPLERS, assert_uniform, cell, histogram, points};
 use glam::{DVec3, Vec3};
 use raystream::render::PreparedScene;
-use raystream_shaders::math::random::{CHOICES, INDEPENDENT, LIGHT_POINT, SampleStream};
+use raystream_shaders::math::random::{CHOICES, INDEPENDENT, LIGHT_POINT, RandomNumbers};
 use raystream_shaders::scene::bsdf::Material;
-use raystream_shaders::scene::light::{Light, LightPoint, LightView, area_pdf, importance};
+use raystream_shaders::scene::light::{Light, LightPoint, area_pdf, importance};
 
 const COUNT: u32 = 1 << 18;
 /// A triangle is divided into SIDE^2 equal ones.
@@ -40,6 +40,12 @@ fn lamps() -> PreparedScene {
         add_triangle(&mut scene, corners.map(|corner| corner - Vec3::Z * 3.0), wall);
     }
     prepare(&scene)
+}
+
+/// All lights of a scene.
+fn lights(scene: &PreparedScene) -> Vec<Light> {
+    let view = scene.view().lights;
+    (0..view.count).map(|index| view.light(index)).collect()
 }
 
 fn area(light: &Light) -> f64 {
@@ -80,14 +86,14 @@ fn small_triangle([a, b]: [f64; 2]) -> usize {
 #[test]
 fn lights_are_chosen_by_their_power() {
     let scene = lamps();
-    let view = LightView::new(&scene.lights, scene.lights.len() as u32);
-    assert_eq!(scene.lights.len(), 5);
-    let expected: Vec<f64> =
-        probabilities(&scene.lights).iter().map(|p| p * f64::from(COUNT)).collect();
+    let lights = &lights(&scene);
+    let view = scene.view().lights;
+    assert_eq!(lights.len(), 5);
+    let expected: Vec<f64> = probabilities(lights).iter().map(|p| p * f64::from(COUNT)).collect();
     for (kind, name) in SAMPLERS {
-        let over_samples = (0..COUNT).map(|index| SampleStream::new(kind, 1, 5, index));
-        let over_pixels = (0..COUNT).map(|pixel| SampleStream::new(kind, 1, pixel, 5));
-        let count = |streams: &mut dyn Iterator<Item = SampleStream>| {
+        let over_samples = (0..COUNT).map(|index| RandomNumbers::new(kind, 1, 5, index));
+        let over_pixels = (0..COUNT).map(|pixel| RandomNumbers::new(kind, 1, pixel, 5));
+        let count = |streams: &mut dyn Iterator<Item = RandomNumbers>| {
             histogram(5, streams.map(|stream| view.choose(stream.bits(CHOICES)[0]) as usize))
         };
         assert_chi_square(
@@ -108,8 +114,8 @@ fn lights_are_chosen_by_their_power() {
 #[should_panic(expected = "chi-square")]
 fn a_choice_regardless_of_power_is_rejected() {
     let scene = lamps();
-    let expected: Vec<f64> =
-        probabilities(&scene.lights).iter().map(|p| p * f64::from(COUNT)).collect();
+    let lights = &lights(&scene);
+    let expected: Vec<f64> = probabilities(lights).iter().map(|p| p * f64::from(COUNT)).collect();
     let chosen = points(INDEPENDENT, CHOICES, COUNT).map(|[choice, _]| cell(choice.into(), 5));
     assert_chi_square(&histogram(5, chosen), &expected, "regardless of power");
 }
@@ -117,34 +123,38 @@ fn a_choice_regardless_of_power_is_rejected() {
 #[test]
 fn densities_integrate_to_1_and_are_those_that_a_path_finds() {
     let scene = lamps();
-    let integral: f64 = scene.lights.iter().map(|light| area(light) * f64::from(light.pdf)).sum();
+    let lights = &lights(&scene);
+    let integral: f64 = lights.iter().map(|light| area(light) * f64::from(light.pdf)).sum();
     assert!((integral - 1.0).abs() < 1e-6, "{integral}");
-    let view = LightView::new(&scene.lights, scene.lights.len() as u32);
-    for ((index, light), probability) in
-        scene.lights.iter().enumerate().zip(probabilities(&scene.lights))
-    {
-        let point = view.sample(index as u32, [0.3, 0.6]);
-        assert_eq!(point.pdf, area_pdf(light.radiance, scene.total_importance), "light {index}");
+    let view = scene.view().lights;
+    for ((index, light), probability) in lights.iter().enumerate().zip(probabilities(lights)) {
+        let point = view.point_on(index as u32, [0.3, 0.6]);
+        assert_eq!(
+            point.pdf,
+            area_pdf(light.radiance, scene.params.total_importance),
+            "light {index}"
+        );
         assert!(
             (f64::from(point.pdf) * area(light) / probability - 1.0).abs() < 1e-6,
             "light {index}"
         );
     }
     let power: f64 =
-        scene.lights.iter().map(|light| area(light) * f64::from(importance(light.radiance))).sum();
-    assert!((f64::from(scene.total_importance) / power - 1.0).abs() < 1e-6);
+        lights.iter().map(|light| area(light) * f64::from(importance(light.radiance))).sum();
+    assert!((f64::from(scene.params.total_importance) / power - 1.0).abs() < 1e-6);
 }
 
 #[test]
 fn points_are_uniform_over_each_light() {
     let scene = lamps();
-    let view = LightView::new(&scene.lights, scene.lights.len() as u32);
-    for (index, light) in scene.lights.iter().enumerate() {
+    let lights = &lights(&scene);
+    let view = scene.view().lights;
+    for (index, light) in lights.iter().enumerate() {
         let normal = light.edge1.as_dvec3().cross(light.edge2.as_dvec3()).normalize();
         for (kind, name) in SAMPLERS {
             let cells = points(kind, LIGHT_POINT, COUNT).map(|u| {
                 let LightPoint { position, normal: found, radiance, .. } =
-                    view.sample(index as u32, u);
+                    view.point_on(index as u32, u);
                 assert!((found.as_dvec3() - normal).length() < 1e-6 && radiance == light.radiance);
                 small_triangle(barycentric(light, position))
             });
@@ -158,9 +168,10 @@ fn points_are_uniform_over_each_light() {
 #[test]
 fn points_have_the_density_that_they_say() {
     let scene = lamps();
-    let view = LightView::new(&scene.lights, scene.lights.len() as u32);
+    let lights = &lights(&scene);
+    let view = scene.view().lights;
     let per_light = SIDE * SIDE;
-    let expected: Vec<f64> = (scene.lights.iter())
+    let expected: Vec<f64> = (lights.iter())
         .flat_map(|light| {
             vec![
                 f64::from(COUNT) * f64::from(light.pdf) * area(light) / per_light as f64;
@@ -171,11 +182,11 @@ fn points_have_the_density_that_they_say() {
     for (kind, name) in SAMPLERS {
         for index in [0, 3] {
             let cells = (0..COUNT).map(|pixel| {
-                let stream = SampleStream::new(kind, 1, pixel, index);
+                let stream = RandomNumbers::new(kind, 1, pixel, index);
                 let light = view.choose(stream.bits(CHOICES)[0]);
-                let point = view.sample(light, stream.pair(LIGHT_POINT));
+                let point = view.point_on(light, stream.pair(LIGHT_POINT));
                 light as usize * per_light
-                    + small_triangle(barycentric(&scene.lights[light as usize], point.position))
+                    + small_triangle(barycentric(&lights[light as usize], point.position))
             });
             assert_chi_square(
                 &histogram(5 * per_light, cells),

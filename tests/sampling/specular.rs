@@ -1,11 +1,11 @@
 //! Mirrors and dielectrics, against Snell's law and Fresnel's formulas in double precision.
 
-use crate::common::scenes::glass;
+use crate::common::scenes::{glass, mirror};
 use crate::common::statistics::assert_chi_square;
 use crate::histogram::{SAMPLERS, histogram};
 use glam::{DVec3, Vec3};
-use raystream_shaders::math::random::{CHOICES, INDEPENDENT, SampleStream, unit_float};
-use raystream_shaders::scene::bsdf::{BsdfSample, Material, sample_dielectric, sample_mirror};
+use raystream_shaders::math::random::{CHOICES, INDEPENDENT, RandomNumbers, unit_float};
+use raystream_shaders::scene::bsdf::{BsdfSample, Material};
 
 const COUNT: u32 = 1 << 16;
 
@@ -14,6 +14,17 @@ const ROUNDING: f64 = 1e-6;
 
 /// Indices of water, glass, diamond, an air bubble in water, and of what surrounds.
 const INDICES: [f32; 5] = [1.33, 1.5, 2.42, 1.0 / 1.33, 1.0];
+
+/// What a material does with a ray that comes in.
+fn sample(
+    material: &Material,
+    normal: Vec3,
+    from_outside: bool,
+    incoming: Vec3,
+    lobe: f32,
+) -> BsdfSample {
+    material.bsdf(normal, from_outside).sample(incoming, [0.5; 2], lobe)
+}
 
 /// Normals with rays that come in at `degrees` to them.
 fn arrivals(degrees: f64) -> impl Iterator<Item = (Vec3, Vec3)> {
@@ -67,7 +78,7 @@ fn is_reflected(sample: &BsdfSample, normal: Vec3) -> bool {
 /// Asserts that rays at `degrees` are reflected as often as Fresnel's formulas say.
 fn assert_lobes(sample: impl Fn(f32) -> bool, reflected: f64, kind: u32, what: &str) {
     let lobes = (0..COUNT).map(|index| {
-        let [choice, _] = SampleStream::new(kind, 1, 42, index).bits(CHOICES);
+        let [choice, _] = RandomNumbers::new(kind, 1, 42, index).bits(CHOICES);
         usize::from(sample(unit_float(choice)))
     });
     let counts = histogram(2, lobes);
@@ -87,12 +98,8 @@ fn dielectrics_reflect_by_fresnels_formulas() {
             let (normal, incoming) = arrivals(degrees).last().expect("there are normals");
             for (kind, name) in SAMPLERS {
                 let what = format!("{name}: ratio {eta}, {degrees} degrees");
-                let reflects = |u| {
-                    is_reflected(
-                        &sample_dielectric(&material, normal, from_outside, incoming, u),
-                        normal,
-                    )
-                };
+                let reflects =
+                    |u| is_reflected(&sample(&material, normal, from_outside, incoming, u), normal);
                 assert_lobes(reflects, reflectance(degrees, eta), kind, &what);
             }
         }
@@ -117,7 +124,7 @@ fn dielectrics_obey_snells_law_and_lose_only_what_their_colours_take() {
         for degrees in angles(eta) {
             for (normal, incoming) in arrivals(degrees) {
                 for u in [0.0, 0.01, 0.04, 0.1, 0.5, 0.9, 1.0 - f32::EPSILON / 2.0] {
-                    let sample = sample_dielectric(&material, normal, from_outside, incoming, u);
+                    let sample = sample(&material, normal, from_outside, incoming, u);
                     let [n, i, out] = [normal, incoming, sample.direction].map(Vec3::as_dvec3);
                     let what = format!("ratio {eta}, {degrees} degrees about {normal}, u {u}");
                     assert!((out.length() - 1.0).abs() < ROUNDING, "{what}");
@@ -152,9 +159,8 @@ fn a_slab_keeps_direction_and_radiance() {
     for ior in INDICES {
         for degrees in [0.0, 20.0, 45.0] {
             for (normal, incoming) in arrivals(degrees) {
-                let inside = sample_dielectric(&glass(ior), normal, true, incoming, 0.999);
-                let outside =
-                    sample_dielectric(&glass(ior), normal, false, inside.direction, 0.999);
+                let inside = sample(&glass(ior), normal, true, incoming, 0.999);
+                let outside = sample(&glass(ior), normal, false, inside.direction, 0.999);
                 let weight = (inside.weight * outside.weight).as_dvec3();
                 assert!(
                     (outside.direction - incoming).as_dvec3().length() < 2.0 * ROUNDING,
@@ -172,9 +178,10 @@ fn a_slab_keeps_direction_and_radiance() {
 #[test]
 fn mirrors_reflect() {
     let colour = Vec3::new(0.2, 0.5, 1.0);
+    let mirror = Material { reflectance: colour, ..mirror(1.0) };
     for degrees in angles(1.0) {
         for (normal, incoming) in arrivals(degrees) {
-            let sample = sample_mirror(colour, normal, incoming);
+            let sample = sample(&mirror, normal, true, incoming, 0.5);
             let [n, i, out] = [normal, incoming, sample.direction].map(Vec3::as_dvec3);
             assert!(
                 (out - (i - n * (2.0 * i.dot(n)))).length() < ROUNDING,

@@ -5,7 +5,7 @@ use crate::histogram::{
     SAMPLERS, assert_uniform, assert_uniform_over_square, cell, histogram, points,
 };
 use raystream_shaders::math::random::{
-    BSDF, CHOICES, INDEPENDENT, PIXEL, SOBOL, SampleStream, of_vertex,
+    BSDF, CHOICES, INDEPENDENT, PIXEL, RandomNumbers, SOBOL, of_vertex,
 };
 
 const COUNT: u32 = 1 << 18;
@@ -17,7 +17,7 @@ fn pairs_are_uniform_over_the_samples_of_a_pixel() {
             for dimension in [PIXEL, BSDF, of_vertex(5, CHOICES)] {
                 // Not a power of 2, so that Sobol's points do not simply fill the cells evenly.
                 let points =
-                    (0..COUNT - 777).map(|i| SampleStream::new(kind, 1, pixel, i).pair(dimension));
+                    (0..COUNT - 777).map(|i| RandomNumbers::new(kind, 1, pixel, i).pair(dimension));
                 assert_uniform_over_square(
                     points,
                     &format!("{name}: pixel {pixel}, dimension {dimension}"),
@@ -33,7 +33,7 @@ fn pairs_are_uniform_over_the_pixels() {
         for index in [0, 1, 2, 1000, u32::MAX] {
             for dimension in [PIXEL, BSDF, of_vertex(5, CHOICES)] {
                 let points = (0..COUNT)
-                    .map(|pixel| SampleStream::new(kind, 1, pixel, index).pair(dimension));
+                    .map(|pixel| RandomNumbers::new(kind, 1, pixel, index).pair(dimension));
                 assert_uniform_over_square(
                     points,
                     &format!("{name}: sample {index}, dimension {dimension}"),
@@ -47,7 +47,7 @@ fn pairs_are_uniform_over_the_pixels() {
 fn pairs_are_uniform_over_the_dimensions() {
     for (kind, name) in SAMPLERS {
         for (pixel, index) in [(0, 0), (0, 1), (77, 3), (1 << 20, 4095)] {
-            let stream = SampleStream::new(kind, 1, pixel, index);
+            let stream = RandomNumbers::new(kind, 1, pixel, index);
             let points = (0..COUNT).map(|dimension| stream.pair(dimension));
             assert_uniform_over_square(points, &format!("{name}: pixel {pixel}, sample {index}"));
         }
@@ -61,7 +61,7 @@ fn pairs_are_uniform_over_the_seeds() {
             [(0, 0, PIXEL), (5, 9, BSDF), (640 * 480 - 1, 64, of_vertex(2, CHOICES))]
         {
             let points =
-                (0..COUNT).map(|seed| SampleStream::new(kind, seed, pixel, index).pair(dimension));
+                (0..COUNT).map(|seed| RandomNumbers::new(kind, seed, pixel, index).pair(dimension));
             assert_uniform_over_square(points, &format!("{name}: pixel {pixel}, sample {index}"));
         }
     }
@@ -72,9 +72,9 @@ fn pairs_are_uniform_over_the_seeds() {
 fn all_bits_are_uniform() {
     for (kind, name) in SAMPLERS {
         let over_pixels: Vec<_> =
-            (0..COUNT).map(|p| SampleStream::new(kind, 1, p, 3).bits(CHOICES)).collect();
+            (0..COUNT).map(|p| RandomNumbers::new(kind, 1, p, 3).bits(CHOICES)).collect();
         let over_samples: Vec<_> =
-            (0..COUNT).map(|i| SampleStream::new(kind, 1, 99, i).bits(CHOICES)).collect();
+            (0..COUNT).map(|i| RandomNumbers::new(kind, 1, 99, i).bits(CHOICES)).collect();
         for (along, numbers) in [("pixels", over_pixels), ("samples", over_samples)] {
             for axis in 0..2 {
                 for byte in 0..4 {
@@ -101,7 +101,7 @@ fn sobol_points_are_even_and_independent_ones_are_not() {
         let mut cells_by_points = vec![0_u32; 9];
         for pixel in 0..64 {
             let points =
-                (0..SIDE * SIDE).map(|i| SampleStream::new(kind, 1, pixel, i as u32).pair(BSDF));
+                (0..SIDE * SIDE).map(|i| RandomNumbers::new(kind, 1, pixel, i as u32).pair(BSDF));
             let cells = points.map(|[x, y]| cell(x.into(), SIDE) * SIDE + cell(y.into(), SIDE));
             for points_in_cell in histogram(SIDE * SIDE, cells) {
                 cells_by_points[points_in_cell.min(8) as usize] += 1;

@@ -1,15 +1,13 @@
 //! Speed of the traversal for primary, diffuse-bounce and shadow rays, one of each per pixel.
 
 use super::{BenchError, WARM_UP, median, warm_up};
-use crate::exec::{Array, Executor, Kernel, Launch, View, kernels};
-use crate::render::{PreparedScene, SceneBuffers, Settings};
+use crate::exec::{Array, Executor, Launch, kernels};
+use crate::render::{PreparedScene, Settings};
 use bytemuck::Zeroable;
 use rayon::prelude::*;
 use raystream_shaders::film::stream::Slot;
-use raystream_shaders::integrator::path::PathParams;
-use raystream_shaders::probe::ProbeParams;
+use raystream_shaders::integrator::params::PathParams;
 use raystream_shaders::scene::ray::{Hit, NO_TRIANGLE, Ray};
-use raystream_shaders::scene::triangle::TriangleView;
 use std::time::Duration;
 
 /// The speed of one kind of rays.
@@ -50,15 +48,10 @@ pub fn measure<E: Executor>(
     settings: &Settings,
     options: Options,
 ) -> Result<Vec<RaySpeed>, BenchError> {
-    let buffers = SceneBuffers::new(executor, scene)?;
+    let buffers = scene.buffers(executor)?;
     let threads = settings.size.width * settings.size.height;
     let count = threads as usize;
-    let path_parameters = PathParams { threads, ..scene.parameters(settings) };
-    let probe_parameters = ProbeParams { threads, ..ProbeParams::zeroed() };
-    let make = |kernel: &'static Kernel, views: Vec<View<'_, E::Buffer>>| {
-        executor.run(&[Launch::new(kernel, &path_parameters, views)])
-    };
-
+    let parameters = PathParams { threads, ..scene.parameters(settings) };
     let ranks: Vec<Slot> = (0..threads).map(|rank| Slot { rank, sample: 0 }).collect();
     let slots = Array::from_slice(executor, "the sample stream", &ranks)?;
     let [primary, bounced, shadow]: [Array<E::Buffer, Ray>; 3] = [
@@ -70,37 +63,26 @@ pub fn measure<E: Executor>(
     let occluded: Array<E::Buffer, u32> = Array::zeroed(executor, "hits", count)?;
 
     let closest = |rays: &Array<E::Buffer, Ray>| {
-        let views =
-            || vec![rays.view(), buffers.nodes.view(), buffers.triangles.view(), hits.view()];
-        time(executor, options, || Launch::new(&kernels::closest_hits, &probe_parameters, views()))
+        time(executor, options, || {
+            kernels::closest_hits(&parameters, &buffers, rays.view(), hits.view())
+        })
     };
     let traced = |rays: &Array<E::Buffer, Ray>| -> Result<Traced, BenchError> {
         Ok(Traced { rays: rays.read(executor)?, hits: hits.read(executor)? })
     };
 
-    make(&kernels::primary_rays, vec![slots.view(), primary.view()])?;
+    executor.run(&[kernels::primary_rays(&parameters, slots.view(), primary.view())])?;
     let time_of_primary = closest(&primary)?;
     let traced_primary = traced(&primary)?;
-    make(
-        &kernels::bounce_rays,
-        vec![primary.view(), hits.view(), buffers.triangles.view(), bounced.view()],
-    )?;
-    make(
-        &kernels::shadow_rays,
-        vec![
-            primary.view(),
-            hits.view(),
-            buffers.triangles.view(),
-            buffers.lights.view(),
-            shadow.view(),
-        ],
-    )?;
+    let (from, at) = (|| primary.view(), || hits.view());
+    executor.run(&[
+        kernels::bounce_rays(&parameters, &buffers, from(), at(), bounced.view()),
+        kernels::shadow_rays(&parameters, &buffers, from(), at(), shadow.view()),
+    ])?;
     let time_of_bounced = closest(&bounced)?;
     let traced_bounced = traced(&bounced)?;
     let time_of_shadow = time(executor, options, || {
-        let views =
-            vec![shadow.view(), buffers.nodes.view(), buffers.triangles.view(), occluded.view()];
-        Launch::new(&kernels::any_hits, &probe_parameters, views)
+        kernels::any_hits(&parameters, &buffers, shadow.view(), occluded.view())
     })?;
     // Where a shadow ray hits does not count, only whether.
     let traced_shadow = Traced {
@@ -163,10 +145,10 @@ struct Check {
 
 /// The nearest hit by testing every triangle.
 pub fn brute_force(scene: &PreparedScene, ray: &Ray) -> Hit {
-    let triangles = TriangleView::new(&scene.triangles);
+    let bvh = scene.view().bvh;
     let mut hit = Hit::miss(ray.t_max);
     for triangle in 0..scene.scene_triangles.len() as u32 {
-        triangles.planes(triangle).test(ray, triangle, &mut hit);
+        bvh.planes(triangle).test(ray, triangle, &mut hit);
     }
     hit
 }

@@ -55,19 +55,14 @@ impl<B, T: Pod> Array<B, T> {
     }
 
     /// All of it, for a kernel.
-    pub fn view(&self) -> View<'_, B> {
+    pub fn view(&self) -> View<'_, B, T> {
         self.slice(0..self.len.max(1))
     }
 
     /// The elements of `range`, for a kernel. The first byte must be a multiple of the device's
     /// alignment.
-    pub fn slice(&self, range: Range<usize>) -> View<'_, B> {
-        let size = size_of::<T>() as u64;
-        View {
-            buffer: &self.buffer,
-            first_byte: range.start as u64 * size,
-            bytes: range.len() as u64 * size,
-        }
+    pub fn slice(&self, range: Range<usize>) -> View<'_, B, T> {
+        View::new(&self.buffer, range.start, range.len())
     }
 
     /// Copies all of it to the host.

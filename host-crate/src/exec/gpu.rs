@@ -122,7 +122,7 @@ impl GpuExecutor {
         };
         let module = executor.shader_module(path);
         executor.check()?;
-        for kernel in kernels::ALL {
+        for kernel in kernels::table::ALL {
             let pipeline = executor.pipeline(&module, kernel);
             executor.pipelines.insert(kernel.name, pipeline);
         }
@@ -134,7 +134,7 @@ impl GpuExecutor {
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(SPIRV);
         match path {
             ShaderPath::Passthrough => {
-                let entry_points = kernels::ALL
+                let entry_points = kernels::table::ALL
                     .iter()
                     .map(|kernel| wgpu::PassthroughShaderEntryPoint {
                         name: kernel.name.into(),

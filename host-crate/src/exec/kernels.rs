@@ -1,9 +1,13 @@
 //! The table of kernels as data, made from [`raystream_shaders::for_each_kernel!`].
 
 use super::native::{NativeArguments, NativeBinding};
+use super::{Launch, SceneBuffers, View};
+use bytemuck::Pod;
 use rayon::prelude::*;
 use raystream_shaders::memory::access::{Atomics, Scatter};
 use raystream_shaders::parallel::prefix::Lane;
+use raystream_shaders::scene::{SceneView, TracingParams};
+use std::sync::atomic::AtomicU32;
 
 /// A kernel, as both executors need to know it.
 pub struct Kernel {
@@ -38,66 +42,131 @@ pub enum Access {
     Write,
 }
 
-macro_rules! kernel_statics {
+macro_rules! kernels {
     ($(
         $(#[$doc:meta])*
         $name:ident[$workgroup:tt] $(phased($phases:expr, $Memory:ty))? = $function:path {
-            uniform $uniform_binding:tt $parameters:ident: $Parameters:ty,
-            $(read $read_binding:tt $read:ident: $Read:ty,)*
-            $(write $write_binding:tt $written:ident: $Written:ty,)*
-            $(scatter $scatter_binding:tt $scattered:ident: $Scattered:ty,)*
-            $(atomic $atomic_binding:tt $atomic:ident,)*
+            uniform $parameters:ident: $Parameters:ty,
+            $(with $scene:ident,)?
+            $(read $read:ident: $Read:ty,)*
+            $(write $written:ident: $Written:ty,)*
+            $(scatter $scattered:ident: $Scattered:ty,)*
+            $(atomic $atomic:ident,)*
         }
     )*) => {
         $(
             $(#[$doc])*
-            #[allow(non_upper_case_globals)] // called like its entry point
-            pub static $name: Kernel = Kernel {
-                name: stringify!($name),
-                workgroup_size: $workgroup,
-                bindings: &[
-                    Binding { name: stringify!($parameters), access: Access::Uniform },
-                    $(Binding { name: stringify!($read), access: Access::Read },)*
-                    $(Binding { name: stringify!($written), access: Access::Write },)*
-                    $(Binding { name: stringify!($scattered), access: Access::Write },)*
-                    $(Binding { name: stringify!($atomic), access: Access::Write },)*
-                ],
-                native: {
-                    fn native(arguments: NativeArguments<'_>) {
-                        let $parameters: $Parameters = arguments.parameters();
-                        let mut views = arguments.views.into_iter();
-                        $(let $read: &[$Read] = views.next().map_or(&[], NativeBinding::into_slice);)*
-                        $(let $written: &mut [$Written] = views.next().map_or(&mut [], NativeBinding::into_slice_mut);)*
-                        $(let $scattered = Scatter::<$Scattered>::new(views.next().map_or(&[], NativeBinding::into_atomics));)*
-                        $(let $atomic = Atomics::new(views.next().map_or(&[], NativeBinding::into_atomics));)*
-                        native_loop! {
-                            [$($phases, $Memory)?] [$workgroup] $function, $parameters,
-                            ($($read)*) ($($written)*) ($($scattered)*) ($($atomic)*)
-                        }
-                    }
-                    native
-                },
-            };
+            #[allow(clippy::too_many_arguments)] // one for each binding, whose types differ
+            pub fn $name<'a, B>(
+                $parameters: &$Parameters,
+                $($scene: &'a SceneBuffers<B>,)?
+                $($read: View<'a, B, $Read>,)*
+                $($written: View<'a, B, $Written>,)*
+                $($scattered: View<'a, B, $Scattered>,)*
+                $($atomic: View<'a, B, u32>,)*
+            ) -> Launch<'a, B> {
+                let mut views = Vec::with_capacity(table::$name.bindings.len());
+                $(views.extend($scene.views());)?
+                $(views.push($read.raw());)*
+                $(views.push($written.raw());)*
+                $(views.push($scattered.raw());)*
+                $(views.push($atomic.raw());)*
+                Launch::new(&table::$name, $parameters, views)
+            }
         )*
 
-        /// All kernels.
-        pub static ALL: &[&Kernel] = &[$(&$name),*];
+        /// The kernels themselves.
+        pub mod table {
+            use super::*;
+
+            $(
+                $(#[$doc])*
+                #[allow(non_upper_case_globals)] // called like its entry point
+                pub static $name: Kernel = Kernel {
+                    name: stringify!($name),
+                    workgroup_size: $workgroup,
+                    bindings: {
+                        const BINDINGS: &[Binding] = &[
+                            Binding { name: stringify!($parameters), access: Access::Uniform },
+                            $(scene_binding!($scene 0), scene_binding!($scene 1), scene_binding!($scene 2),)?
+                            $(Binding { name: stringify!($read), access: Access::Read },)*
+                            $(Binding { name: stringify!($written), access: Access::Write },)*
+                            $(Binding { name: stringify!($scattered), access: Access::Write },)*
+                            $(Binding { name: stringify!($atomic), access: Access::Write },)*
+                        ];
+                        BINDINGS
+                    },
+                    native: {
+                        fn native(arguments: NativeArguments<'_>) {
+                            let $parameters: $Parameters = arguments.parameters();
+                            let mut views = arguments.views.into_iter();
+                            $(let $scene = scene_view(&$parameters, &mut views);)?
+                            $(let $read: &[$Read] = slice(views.next());)*
+                            $(let $written: &mut [$Written] = slice_mut(views.next());)*
+                            $(let $scattered = Scatter::<$Scattered>::new(atomics(views.next()));)*
+                            $(let $atomic = Atomics::new(atomics(views.next()));)*
+                            native_loop! {
+                                [$($phases, $Memory)?] [$workgroup] $function, $parameters,
+                                ($(&$scene,)? $($read,)*)
+                                ($($written)*) ($($scattered)*) ($($atomic)*)
+                            }
+                        }
+                        native
+                    },
+                };
+            )*
+
+            /// All of them.
+            pub static ALL: &[&Kernel] = &[$(&$name),*];
+        }
     };
+}
+
+/// One of the bindings that stand for a scene.
+macro_rules! scene_binding {
+    ($scene:ident $number:tt) => {
+        Binding { name: SCENE_NAMES[$number], access: Access::Read }
+    };
+}
+
+/// What the bindings of a scene are called.
+const SCENE_NAMES: [&str; 3] = SceneBuffers::<()>::NAMES;
+
+/// The view of a scene in the next bindings.
+fn scene_view<'a>(
+    parameters: &impl TracingParams,
+    views: &mut impl Iterator<Item = NativeBinding<'a>>,
+) -> SceneView<'a> {
+    let (geometry, surfaces) = (slice(views.next()), slice(views.next()));
+    SceneView::new(&parameters.scene(), geometry, surfaces, slice(views.next()))
+}
+
+fn slice<T: Pod>(view: Option<NativeBinding<'_>>) -> &[T] {
+    view.map_or(&[], NativeBinding::into_slice)
+}
+
+fn slice_mut<T: Pod>(view: Option<NativeBinding<'_>>) -> &mut [T] {
+    view.map_or(&mut [], NativeBinding::into_slice_mut)
+}
+
+fn atomics(view: Option<NativeBinding<'_>>) -> &[AtomicU32] {
+    view.map_or(&[], NativeBinding::into_atomics)
 }
 
 /// Calls the function of a kernel for all lanes.
 macro_rules! native_loop {
     (
         [] [$workgroup:tt] $function:path, $parameters:ident,
-        ($($read:ident)*) ($($written:ident)*) ($($scattered:ident)*) ($($atomic:ident)*)
+        ($($passed:expr,)*) ($($written:ident)*) ($($scattered:ident)*) ($($atomic:ident)*)
     ) => {
         let threads = $parameters.threads;
-        ((0..threads).into_par_iter(), $($written[..threads as usize].par_iter_mut(),)*).into_par_iter().for_each(
+        let lanes = (0..threads).into_par_iter();
+        (lanes, $($written[..threads as usize].par_iter_mut(),)*).into_par_iter().for_each(
             |(lane, $($written,)*)| {
                 $function(
                     lane,
                     &$parameters,
-                    $($read,)*
+                    $($passed,)*
                     $($written,)*
                     $(&mut { $scattered },)*
                     $(&mut { $atomic },)*
@@ -107,17 +176,24 @@ macro_rules! native_loop {
     };
     (
         [$phases:expr, $Memory:ty] [$workgroup:tt] $function:path, $parameters:ident,
-        ($($read:ident)*) () ($($scattered:ident)*) ()
+        ($($passed:expr,)*) () ($($scattered:ident)*) ()
     ) => {
         (0..$parameters.threads.div_ceil($workgroup)).into_par_iter().for_each(|group| {
             let mut memory: $Memory = [0; size_of::<$Memory>() / size_of::<u32>()];
             for phase in 0..$phases {
                 for index in 0..$workgroup {
                     let lane = Lane { group, index };
-                    $function(phase, lane, &$parameters, $($read,)* $(&mut { $scattered },)* &mut memory);
+                    $function(
+                        phase,
+                        lane,
+                        &$parameters,
+                        $($passed,)*
+                        $(&mut { $scattered },)*
+                        &mut memory,
+                    );
                 }
             }
         });
     };
 }
-raystream_shaders::for_each_kernel!(kernel_statics);
+raystream_shaders::for_each_kernel!(kernels);

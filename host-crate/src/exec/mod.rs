@@ -10,13 +10,17 @@ pub mod cpu;
 pub mod device;
 pub mod gpu;
 pub mod kernels;
+mod launch;
 mod native;
+mod scene_buffers;
 
 use std::time::Duration;
 
 pub use array::Array;
 pub use counting::Counting;
 pub use kernels::{Access, Binding, Kernel};
+pub use launch::{Launch, RawView, View};
+pub use scene_buffers::SceneBuffers;
 
 /// Runs kernels over buffers that it owns.
 pub trait Executor {
@@ -76,48 +80,6 @@ pub struct Limits {
     pub buffer_bytes: u64,
     /// What the first byte of a part must be a multiple of.
     pub alignment: u64,
-}
-
-/// A part of a buffer, as a kernel is given it.
-pub struct View<'a, B> {
-    buffer: &'a B,
-    first_byte: u64,
-    bytes: u64,
-}
-
-/// One run of a kernel.
-pub struct Launch<'a, B> {
-    kernel: &'static Kernel,
-    parameters: Vec<u8>,
-    views: Vec<View<'a, B>>,
-}
-
-impl<'a, B> Launch<'a, B> {
-    /// The run of `kernel` with its `parameters` and, in the order of the table, its other
-    /// bindings.
-    ///
-    /// Every parameter block begins with the number of threads, as u32.
-    ///
-    /// # Panics
-    /// If the number of views is not that of the table.
-    pub fn new(
-        kernel: &'static Kernel,
-        parameters: &impl bytemuck::NoUninit,
-        views: Vec<View<'a, B>>,
-    ) -> Self {
-        assert_eq!(views.len() + 1, kernel.bindings.len(), "bindings of {}", kernel.name);
-        Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views }
-    }
-
-    /// The kernel.
-    pub fn kernel(&self) -> &'static Kernel {
-        self.kernel
-    }
-
-    /// Lanes, before they are rounded up to whole workgroups.
-    pub fn threads(&self) -> u32 {
-        bytemuck::pod_read_unaligned(&self.parameters[..4])
-    }
 }
 
 /// What `allocate` makes of `capacity` or, as long as the device lacks the memory, of half of it,

@@ -5,7 +5,8 @@ use glam::{UVec4, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
-use raystream_shaders::scene::bvh::{MAX_DEPTH, ROWS_PER_NODE};
+use raystream_shaders::scene::bvh::MAX_DEPTH;
+use raystream_shaders::scene::bvh::node::Node;
 use raystream_shaders::scene::triangle::Triangle;
 use std::time::Duration;
 
@@ -21,7 +22,7 @@ pub enum BvhQuality {
 
 /// The hierarchy and the triangles in the order of its leaves.
 pub struct Bvh {
-    /// [`ROWS_PER_NODE`] rows for each node; at least the root.
+    /// [`Node::ROWS`] rows for each node; at least the root.
     pub nodes: Vec<UVec4>,
     /// Where each leaf entry comes from: index into the triangles that were given. Splits repeat
     /// some.
@@ -32,7 +33,7 @@ pub struct Bvh {
 pub fn build(triangles: &[Triangle], quality: BvhQuality) -> Result<Bvh, RenderError> {
     if triangles.is_empty() {
         // A root whose slots are all empty.
-        return Ok(Bvh { nodes: vec![UVec4::ZERO; ROWS_PER_NODE as usize], order: Vec::new() });
+        return Ok(Bvh { nodes: vec![UVec4::ZERO; Node::ROWS as usize], order: Vec::new() });
     }
     let corners: Vec<_> = triangles
         .iter()

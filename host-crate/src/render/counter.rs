@@ -20,11 +20,11 @@ impl<B> Counter<B> {
     /// The launch that puts it back to 0.
     pub fn clear(&self) -> Launch<'_, B> {
         let one = RunWindow { threads: 1, first_rank: 0, pixels: 0, samples: 0 };
-        Launch::new(&kernels::clear_counter, &one, vec![self.view()])
+        kernels::clear_counter(&one, self.view())
     }
 
     /// What a kernel is given that raises it.
-    pub fn view(&self) -> View<'_, B> {
+    pub fn view(&self) -> View<'_, B, u32> {
         self.word.view()
     }
 }

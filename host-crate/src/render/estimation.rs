@@ -101,26 +101,24 @@ impl<B> Estimation<B> {
                 },
                 ..GuideParams::zeroed()
             };
-            let views =
-                vec![band.film.view(), band.features.view(), self.guides.slice(ranks(band))];
-            Launch::new(&kernels::make_guides, &parameters, views)
+            kernels::make_guides(
+                &parameters,
+                band.film.view(),
+                band.features.view(),
+                self.guides.slice(ranks(band)),
+            )
         });
         let estimates = film.bands().iter().map(|band| {
             let (threads, first_rank) = (band.film.len() as u32, band.first_rank);
             let FilmSize { width, height } = self.size;
-            let views = vec![
-                self.guides.view(),
-                self.estimates.slice(ranks(band)),
-                self.errors.slice(ranks(band)),
-            ];
+            let guides = self.guides.view();
+            let estimates = self.estimates.slice(ranks(band));
+            let errors = self.errors.slice(ranks(band));
             match sampling.estimator {
                 Estimator::Bilateral => {
                     let shared = filter_params(&sampling.estimation.filter, camera, form);
-                    Launch::new(
-                        &kernels::filter_errors,
-                        &FilterParams { threads, first_rank, ..shared },
-                        views,
-                    )
+                    let parameters = FilterParams { threads, first_rank, ..shared };
+                    kernels::filter_errors(&parameters, guides, estimates, errors)
                 }
                 Estimator::Halves | Estimator::Variance => {
                     let smooth = u32::from(sampling.estimation.smooth);
@@ -133,7 +131,7 @@ impl<B> Estimation<B> {
                         smooth,
                         ..NoiseParams::zeroed()
                     };
-                    Launch::new(&kernels::noise_errors, &parameters, views)
+                    kernels::noise_errors(&parameters, guides, estimates, errors)
                 }
             }
         });
@@ -165,8 +163,12 @@ impl<B> Estimation<B> {
     ) -> Result<Noise, ExecError> {
         let pixels = self.errors.len() as u32;
         let parameters = TotalParams { threads: ADDERS, pixels, mean_radiance, pad: 0 };
-        let views = vec![self.estimates.view(), self.errors.view(), self.totals.view()];
-        executor.run(&[Launch::new(&kernels::total_errors, &parameters, views)])?;
+        executor.run(&[kernels::total_errors(
+            &parameters,
+            self.estimates.view(),
+            self.errors.view(),
+            self.totals.view(),
+        )])?;
         let totals = self.totals.read(executor)?;
         let mean = |of: fn(&ErrorTotal) -> f32| {
             totals.iter().map(|t| f64::from(of(t))).sum::<f64>() / f64::from(pixels)

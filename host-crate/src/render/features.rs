@@ -1,10 +1,9 @@
 //! Camera rays for the first-hit features of pixels.
 
-use super::SceneBuffers;
 use super::film::Band;
-use crate::exec::{Launch, kernels};
+use crate::exec::{Launch, SceneBuffers, kernels};
 use raystream_shaders::integrator::first_hits::FeatureParams;
-use raystream_shaders::integrator::path::PathParams;
+use raystream_shaders::integrator::params::PathParams;
 use std::ops::Range;
 
 /// Camera rays for the first-hit features of the pixels of a window, until each has `samples`.
@@ -15,22 +14,13 @@ pub fn first_hits<'a, B>(
     window: &Range<u32>,
     samples: u32,
 ) -> Launch<'a, B> {
-    Launch::new(
-        &kernels::first_hits,
-        &FeatureParams {
-            threads: window.end - window.start,
-            first_rank: band.first_rank + window.start,
-            samples,
-            pad: 0,
-            path: *parameters,
-        },
-        vec![
-            scene.nodes.view(),
-            scene.triangles.view(),
-            scene.attributes.view(),
-            scene.materials.view(),
-            scene.texels.view(),
-            band.features.slice(window.start as usize..window.end as usize),
-        ],
-    )
+    let parameters = FeatureParams {
+        threads: window.end - window.start,
+        first_rank: band.first_rank + window.start,
+        samples,
+        pad: 0,
+        path: *parameters,
+    };
+    let features = band.features.slice(window.start as usize..window.end as usize);
+    kernels::first_hits(&parameters, scene, features)
 }

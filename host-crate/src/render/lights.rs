@@ -79,7 +79,14 @@ mod tests {
             .into_iter()
             .map(|(threshold, alias)| Light { threshold, alias, ..Default::default() })
             .collect();
-        let view = LightView::new(&lights, lights.len() as u32);
+        let rows: Vec<glam::UVec4> = bytemuck::pod_collect_to_vec(&lights);
+        let view = LightView {
+            rows: &rows,
+            first: 0,
+            count: lights.len() as u32,
+            total_importance: 0.0,
+            offset_roundings: 0.0,
+        };
         // A regular grid of 2^20 numbers, so that the counts are within the number of column ends
         // of the exact ones.
         let mut counts = [0_u32; 7];

@@ -21,7 +21,6 @@ mod renderer;
 mod round;
 pub mod run;
 mod sampling;
-mod scene_buffers;
 mod settings;
 mod triangles;
 
@@ -33,5 +32,4 @@ pub use prepare::PreparedScene;
 pub use renderer::Renderer;
 pub use run::{Budget, Outcome, Progress, RenderError, run};
 pub use sampling::{AllocatorKind, Estimator, Sampling};
-pub use scene_buffers::SceneBuffers;
 pub use settings::{IntegratorKind, Settings, Techniques, Timings};

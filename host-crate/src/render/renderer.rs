@@ -8,8 +8,8 @@ use super::film::FilmBuffers;
 use super::integrator::{self, IntegratorContext};
 use super::round::{Parts, Round, Stage, allocate_stream};
 use super::settings::{Settings, Timings};
-use super::{AllocatorKind, PreparedScene, Sampling, SceneBuffers};
-use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use super::{AllocatorKind, PreparedScene, Sampling};
+use crate::exec::{Array, ExecError, Executor, kernels};
 use crate::film::Film;
 use bytemuck::Zeroable;
 use raystream_shaders::film::accumulate::CountParams;
@@ -58,7 +58,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
         scene: &PreparedScene,
         settings: &Settings,
     ) -> Result<Self, ExecError> {
-        let scene_buffers = SceneBuffers::new(executor, scene)?;
+        let scene_buffers = scene.buffers(executor)?;
         let film = FilmBuffers::new(executor, settings.size)?;
         let (slots, contributions) = allocate_stream(executor)?;
         let parameters = scene.parameters(settings);
@@ -316,11 +316,7 @@ impl<'e, E: Executor> Renderer<'e, E> {
                 pixels: band.film.len() as u32,
                 ..CountParams::zeroed()
             };
-            let launch = Launch::new(
-                &kernels::count_rays,
-                &parameters,
-                vec![band.film.view(), self.ray_counts.view()],
-            );
+            let launch = kernels::count_rays(&parameters, band.film.view(), self.ray_counts.view());
             executor.run(&[launch])?;
             total += self.ray_counts.read(executor)?.into_iter().map(u64::from).sum::<u64>();
         }

@@ -1,15 +1,14 @@
 //! One round on a device: streams are filled, traced and accumulated.
 
-use super::SceneBuffers;
 use super::allocator::{Allocator, RoundBuffers, Stream};
 use super::batch::BatchSize;
 use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
 use super::integrator::{Integrator, StreamBuffers};
 use super::settings::Timings;
-use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits};
+use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers, halve_until_it_fits};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
-use raystream_shaders::integrator::path::PathParams;
+use raystream_shaders::integrator::params::PathParams;
 use std::time::{Duration, Instant};
 
 /// What rounds work on.

@@ -5,8 +5,9 @@ use super::{LightCacheSettings, PreparedScene, Sampling};
 use crate::scene::FilmSize;
 use clap::ValueEnum;
 use glam::Vec3;
-use raystream_shaders::integrator::path::{self, PathParams};
+use raystream_shaders::integrator::params::{self, PathParams};
 use raystream_shaders::math::random;
+use raystream_shaders::scene::SceneParams;
 use std::ops::AddAssign;
 use std::time::Duration;
 
@@ -106,16 +107,19 @@ impl PreparedScene {
             sampler: if settings.independent_sampler { random::INDEPENDENT } else { random::SOBOL },
             max_depth: settings.max_depth,
             roulette_depth: settings.roulette_depth,
-            lights: self.lights.len() as u32,
-            total_importance: self.total_importance,
             techniques: match settings.techniques {
-                Techniques::Both => path::BOTH_TECHNIQUES,
-                Techniques::LightSampling => path::LIGHT_SAMPLING_ALONE,
-                Techniques::BsdfSampling => path::BSDF_SAMPLING_ALONE,
+                Techniques::Both => params::BOTH_TECHNIQUES,
+                Techniques::LightSampling => params::LIGHT_SAMPLING_ALONE,
+                Techniques::BsdfSampling => params::BSDF_SAMPLING_ALONE,
             },
             camera: camera(&self.camera, settings.size),
-            background: settings.background,
-            offset_roundings: settings.ray_offset,
+            scene: SceneParams {
+                background: settings.background,
+                offset_roundings: settings.ray_offset,
+                ..self.params
+            },
+            pad0: 0,
+            pad1: 0,
         }
     }
 }

@@ -3,13 +3,19 @@
 use glam::{DVec3, UVec4, Vec3};
 use raystream_shaders::math::UNIT_ROUNDOFF;
 use raystream_shaders::memory::rows::row;
+use raystream_shaders::scene::bvh::planes::Planes;
 use raystream_shaders::scene::triangle::Triangle;
 
-/// The triangles of `order` (indices, some of them more than once), as
-/// [`raystream_shaders::scene::triangle`] lays them out.
-pub fn table(triangles: &[Triangle], order: &[u32]) -> Vec<UVec4> {
-    let ordered = || order.iter().map(|&index| &triangles[index as usize]);
-    ordered().flat_map(planes).chain(ordered().flat_map(Triangle::to_rows)).collect()
+/// The rows for the test of the triangles of `order` (indices, some of them more than once), as
+/// [`raystream_shaders::scene::bvh::planes`] lays them out.
+pub fn planes(triangles: &[Triangle], order: &[u32]) -> Vec<UVec4> {
+    order.iter().flat_map(|&index| planes_of(&triangles[index as usize])).collect()
+}
+
+/// The rows for shading of the same triangles, as [`raystream_shaders::scene::triangle`] lays them
+/// out.
+pub fn shading(triangles: &[Triangle], order: &[u32]) -> Vec<UVec4> {
+    order.iter().flat_map(|&index| triangles[index as usize].to_rows()).collect()
 }
 
 /// By how many roundings of its largest coordinate a triangle is enlarged for the test, so that no
@@ -19,7 +25,7 @@ pub fn table(triangles: &[Triangle], order: &[u32]) -> Vec<UVec4> {
 const ENLARGED: f64 = 8.0;
 
 /// The three rows of the test.
-fn planes(triangle: &Triangle) -> [UVec4; 3] {
+fn planes_of(triangle: &Triangle) -> [UVec4; Planes::ROWS as usize] {
     let [corner, edge1, edge2] =
         [triangle.corner, triangle.edge1, triangle.edge2].map(|vector: Vec3| vector.as_dvec3());
     let scale = 1.0
@@ -42,7 +48,7 @@ mod tests {
     use super::*;
     use raystream_shaders::math::random::hash;
     use raystream_shaders::scene::ray::{Hit, Ray};
-    use raystream_shaders::scene::triangle::{NO_ATTRIBUTES, TriangleView};
+    use raystream_shaders::scene::triangle::NO_ATTRIBUTES;
 
     /// Numbers in [-1, 1).
     fn numbers(seed: u32) -> impl FnMut() -> f32 {
@@ -59,7 +65,9 @@ mod tests {
 
     fn hit(table: &[UVec4], index: u32, ray: &Ray) -> Hit {
         let mut hit = Hit::miss(ray.t_max);
-        TriangleView::new(table).planes(index).test(ray, index, &mut hit);
+        let first = (index * Planes::ROWS) as usize;
+        let rows = [table[first], table[first + 1], table[first + 2]];
+        Planes { rows }.test(ray, index, &mut hit);
         hit
     }
 
@@ -73,8 +81,9 @@ mod tests {
             let at = vector(10.0 * size);
             let corners = [at + vector(size), at + vector(size), at + vector(size)];
             let (origin, triangle) = (at + vector(5.0 * size), triangle(corners));
-            let table = table(&[triangle], &[0]);
-            let stored = TriangleView::new(&table).get(0);
+            let table = planes(&[triangle], &[0]);
+            let rows = shading(&[triangle], &[0]);
+            let stored = Triangle::from_rows([rows[0], rows[1], rows[2]]);
             assert_eq!(
                 (stored.corner, stored.edge1, stored.edge2),
                 (triangle.corner, triangle.edge1, triangle.edge2)
@@ -123,7 +132,7 @@ mod tests {
             let below = at + vector() * 3.0;
             let along = (b - a).normalize();
             let outwards = (a - below).cross(along).normalize();
-            let table = table(
+            let table = planes(
                 &[
                     triangle([a, b, (a + b) / 2.0 + outwards]),
                     triangle([b, a, (a + b) / 2.0 - outwards]),

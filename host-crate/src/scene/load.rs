@@ -11,7 +11,7 @@ use super::texture::Textures;
 use super::values::{Object, Radiance, Reflectance};
 use super::{Scene, SceneError};
 use glam::Vec3;
-use raystream_shaders::scene::bsdf::{DIELECTRIC, DIFFUSE, MIRROR, Material};
+use raystream_shaders::scene::bsdf::{Material, MaterialKind};
 use raystream_shaders::scene::texture::NO_TEXTURE;
 use serde::de::Error as _;
 use std::path::{Path, PathBuf};
@@ -184,19 +184,19 @@ fn device_material(
     let material = match rule {
         MaterialRule::Null => return Ok(None),
         MaterialRule::Diffuse(Albedo::Colour(reflectance)) => {
-            Material { kind: DIFFUSE, reflectance: reflectance.0, ..plain }
+            Material { kind: MaterialKind::DIFFUSE, reflectance: reflectance.0, ..plain }
         }
         MaterialRule::Diffuse(Albedo::Texture(path)) => Material {
-            kind: DIFFUSE,
+            kind: MaterialKind::DIFFUSE,
             reflectance: Vec3::ONE,
             texture: textures.load(source, path)?,
             ..plain
         },
         MaterialRule::Mirror(reflectance) => {
-            Material { kind: MIRROR, reflectance: reflectance.0, ..plain }
+            Material { kind: MaterialKind::MIRROR, reflectance: reflectance.0, ..plain }
         }
         MaterialRule::Dielectric { ior, transmittance, reflectance } => Material {
-            kind: DIELECTRIC,
+            kind: MaterialKind::DIELECTRIC,
             reflectance: reflectance.0,
             transmittance: transmittance.0,
             ior: ior.0,
@@ -209,7 +209,7 @@ fn device_material(
 
 fn emissive(radiance: Radiance, reflectance: Reflectance) -> Material {
     Material {
-        kind: DIFFUSE,
+        kind: MaterialKind::DIFFUSE,
         reflectance: reflectance.0,
         emission: radiance.0,
         texture: NO_TEXTURE,

@@ -23,6 +23,11 @@ device_struct! {
 }
 
 impl Contribution {
+    /// What `rays` rays and the light that they found make of a slot.
+    pub fn of(radiance: Vec3, rays: u32) -> Self {
+        Self { radiance, rays, squared: radiance * radiance, pad: 0 }
+    }
+
     /// Of an empty slot.
     pub const NOTHING: Self = Self { radiance: Vec3::ZERO, rays: 0, squared: Vec3::ZERO, pad: 0 };
 }

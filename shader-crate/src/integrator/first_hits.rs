@@ -4,14 +4,12 @@
 //! they have camera rays of their own, and only up to [`FEATURE_SAMPLES`] a pixel: paths need not
 //! carry them to the film.
 
-use crate::film::tiles::pixel_of_rank;
-use crate::glam::{UVec4, Vec3};
-use crate::integrator::path::PathParams;
-use crate::math::random::{PIXEL, SampleStream};
+use crate::film::stream::Slot;
+use crate::glam::Vec3;
+use crate::integrator::params::PathParams;
 use crate::memory::device_struct;
-use crate::scene::SceneView;
-use crate::scene::bsdf::Material;
-use crate::scene::{surface::Surface, triangle::Attributes};
+use crate::scene::surface::Surface;
+use crate::scene::{SceneParams, SceneView, TracingParams};
 
 /// Camera rays that the features of a pixel average at most.
 pub const FEATURE_SAMPLES: u32 = 32;
@@ -35,7 +33,7 @@ device_struct! {
 }
 
 device_struct! {
-    /// The parameters of a window of features. 128 bytes.
+    /// The parameters of a window of features. 160 bytes.
     pub struct FeatureParams {
         /// Pixels in the window.
         pub threads: u32,
@@ -50,44 +48,30 @@ device_struct! {
     }
 }
 
+impl TracingParams for FeatureParams {
+    fn scene(&self) -> SceneParams {
+        self.path.scene
+    }
+}
+
 /// Kernel: adds to the features of the pixel `lane` of a window the camera rays that it lacks:
 /// those of the first paths of the pixel.
-#[allow(clippy::too_many_arguments)] // one per binding; the body sees views
 pub fn first_hits(
     lane: u32,
     params: &FeatureParams,
-    nodes: &[UVec4],
-    triangles: &[UVec4],
-    attributes: &[Attributes],
-    materials: &[Material],
-    texels: &[u32],
+    scene: &SceneView<'_>,
     features: &mut FeaturePixel,
 ) {
-    let scene = SceneView::new(
-        nodes,
-        triangles,
-        attributes,
-        materials,
-        texels,
-        params.path.offset_roundings,
-    );
-    let camera = &params.path.camera;
-    let (x, y) = pixel_of_rank(params.first_rank + lane, camera.width, camera.height);
     let mut sums = *features;
     while sums.samples < params.samples {
-        let numbers = SampleStream::new(
-            params.path.sampler,
-            params.path.seed,
-            y * camera.width + x,
-            sums.samples,
-        );
-        let ray = camera.ray(x, y, numbers.pair(PIXEL));
+        let slot = Slot { rank: params.first_rank + lane, sample: sums.samples };
+        let ray = params.path.camera_ray(slot, &params.path.numbers(slot));
         let hit = scene.bvh.closest_hit(&ray);
         if hit.is_some() {
             let surface = Surface::at(&scene.surfaces, &ray, &hit);
-            sums.albedo += surface.material.reflectance;
+            sums.albedo += surface.bsdf.reflectance;
             sums.hits += 1;
-            sums.normal += surface.normal;
+            sums.normal += surface.bsdf.normal;
             sums.depth += hit.t;
             sums.position += surface.point.position;
         }

@@ -4,17 +4,14 @@
 //! Novak, Havran, Dachsbacher, "Path Regeneration for Interactive Path Tracing", Eurographics 2010.
 //! A group of lanes that run in step goes on to the next segment together, some of its lanes in the
 //! midst of a path, some at the first segment of a new one; none waits for the longest path of the
-//! group, as in [`trace_paths`](crate::integrator::path::trace_paths).
+//! group, as in [`trace_paths`](crate::integrator::megakernel::trace_paths).
 
 use crate::film::Contribution;
 use crate::film::stream::{NO_PIXEL, Slot};
-use crate::glam::UVec4;
-use crate::integrator::path::{Path, PathParams, numbers_of};
+use crate::integrator::params::PathParams;
+use crate::integrator::path::Path;
 use crate::memory::access::{Atomics, Scatter, at};
 use crate::scene::SceneView;
-use crate::scene::bsdf::Material;
-use crate::scene::light::{Light, LightView};
-use crate::scene::triangle::Attributes;
 
 /// A thread takes no more slots once it has traced this many segments; then another one starts.
 /// Enough for a GPU's resident threads to share a long stream, and few enough for drivers that end
@@ -24,26 +21,17 @@ pub const SEGMENTS: u32 = 128;
 /// Kernel: traces the paths of the slots that this lane is the first to take, until there are none
 /// left or it has traced [`SEGMENTS`] segments. The first of `taken` counts those that have been
 /// taken; 0 at first.
-#[allow(clippy::too_many_arguments)] // one per binding; the body sees views
 pub fn regenerate_paths(
     _: u32,
     params: &PathParams,
+    scene: &SceneView<'_>,
     slots: &[Slot],
-    nodes: &[UVec4],
-    triangles: &[UVec4],
-    attributes: &[Attributes],
-    materials: &[Material],
-    lights: &[Light],
-    texels: &[u32],
     contributions: &mut Scatter<'_, Contribution>,
     taken: &mut Atomics<'_>,
 ) {
-    let scene =
-        SceneView::new(nodes, triangles, attributes, materials, texels, params.offset_roundings);
-    let lights = LightView::new(lights, params.lights);
     // Overwritten before it is used: the lane has no path yet.
     let (mut number, nobody) = (0, Slot { rank: 0, sample: 0 });
-    let mut numbers = numbers_of(params, nobody);
+    let mut numbers = params.numbers(nobody);
     let mut path = Path::begin(params, nobody, &numbers);
     let mut is_under_way = false;
     let mut segments = 0;
@@ -60,7 +48,7 @@ pub fn regenerate_paths(
             }
             let slot = at(slots, number);
             if slot.rank != NO_PIXEL {
-                numbers = numbers_of(params, slot);
+                numbers = params.numbers(slot);
                 path = Path::begin(params, slot, &numbers);
                 is_under_way = true;
             } else {
@@ -68,7 +56,7 @@ pub fn regenerate_paths(
             }
         }
         segments += 1;
-        if is_under_way && !path.extend(params, &scene, &lights, &numbers) {
+        if is_under_way && !path.extend(params, scene, &numbers) {
             contributions.set(number, path.contribution());
             is_under_way = false;
         }

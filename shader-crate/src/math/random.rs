@@ -23,20 +23,20 @@ pub const LIGHT_POINT: u32 = 2;
 /// (second).
 pub const CHOICES: u32 = 3;
 
-/// [`SampleStream::new`]'s `kind` for Owen-scrambled Sobol points.
+/// [`RandomNumbers::new`]'s `kind` for Owen-scrambled Sobol points.
 pub const SOBOL: u32 = 0;
-/// [`SampleStream::new`]'s `kind` for independent uniform numbers.
+/// [`RandomNumbers::new`]'s `kind` for independent uniform numbers.
 pub const INDEPENDENT: u32 = 1;
 
 /// The random numbers of one path.
 #[derive(Clone, Copy)]
-pub struct SampleStream {
+pub struct RandomNumbers {
     kind: u32,
     pixel_seed: u32,
     index: u32,
 }
 
-impl SampleStream {
+impl RandomNumbers {
     /// The numbers of sample `index` of a pixel. `pixel` is any number that is the pixel's own;
     /// renders with different `seed`s are independent of each other.
     pub fn new(kind: u32, seed: u32, pixel: u32, index: u32) -> Self {

@@ -4,6 +4,7 @@
 //! integer, read as a float, is a denormal, which a GPU may flush to zero.
 
 use crate::glam::{UVec4, Vec3};
+use crate::memory::access::at;
 
 /// The row of a vector and a word.
 #[inline(always)]
@@ -15,4 +16,22 @@ pub fn row(vector: Vec3, word: u32) -> UVec4 {
 #[inline(always)]
 pub fn vector(row: UVec4) -> Vec3 {
     Vec3::new(f32::from_bits(row.x), f32::from_bits(row.y), f32::from_bits(row.z))
+}
+
+/// The word of a row, as a float.
+#[inline(always)]
+pub fn float(row: UVec4) -> f32 {
+    f32::from_bits(row.w)
+}
+
+/// Three rows of a buffer, from row `first` on.
+#[inline(always)]
+pub fn three_rows(rows: &[UVec4], first: u32) -> [UVec4; 3] {
+    [at(rows, first), at(rows, first + 1), at(rows, first + 2)]
+}
+
+/// Four rows of a buffer, from row `first` on.
+#[inline(always)]
+pub fn four_rows(rows: &[UVec4], first: u32) -> [UVec4; 4] {
+    [at(rows, first), at(rows, first + 1), at(rows, first + 2), at(rows, first + 3)]
 }

@@ -1,4 +1,16 @@
-//! A scene on the device, as views: of all of it, and of what shading looks up.
+//! A scene on the device: three buffers, the parameters that say what lies where, and views.
+//!
+//! ```text
+//! geometry: nodes of the BVH | triangles, for the test
+//! surfaces: triangles, for shading | attributes | materials | lights
+//! texels:   see `texture`
+//! ```
+//!
+//! What traversal reads lies in `geometry`, what shading reads in `surfaces`. They are few because a
+//! kernel may bind few buffers (WebGPU promises eight), and two because each can then hold the
+//! triangles of twice as large a scene. A row of the [table of kernels](crate::kernels) that says
+//! `with scene` binds all three and hands its function a [`SceneView`]: another table of the scene
+//! is added here and nowhere else.
 
 pub mod bsdf;
 pub mod bvh;
@@ -9,36 +21,86 @@ pub mod surface;
 pub mod texture;
 pub mod triangle;
 
-use crate::glam::UVec4;
-use crate::scene::bsdf::Material;
-use crate::scene::bvh::BvhView;
-use crate::scene::surface::SurfaceView;
-use crate::scene::triangle::Attributes;
+use crate::glam::{UVec4, Vec3};
+use crate::memory::device_struct;
+use bvh::BvhView;
+use light::LightView;
+use surface::SurfaceView;
+use texture::TextureView;
 
-/// Everything that a ray may hit. Lights are apart: not everyone who hits looks for them.
+device_struct! {
+    /// What is the same for all of a scene. 48 bytes.
+    pub struct SceneParams {
+        /// Radiance of the light that comes from all around where there is no surface, linear
+        /// Rec.709.
+        pub background: Vec3,
+        /// Number of lights.
+        pub lights: u32,
+        /// Sum over the lights of area times importance, in squared world units; see
+        /// [`light::area_pdf`].
+        pub total_importance: f32,
+        /// How far rays start from surfaces, see [`ray::OFFSET_ROUNDINGS`].
+        pub offset_roundings: f32,
+        /// Row of `geometry` with the first triangle.
+        pub first_planes: u32,
+        /// Row of `surfaces` with the first attributes.
+        pub first_attributes: u32,
+        /// Row of `surfaces` with the first material.
+        pub first_material: u32,
+        /// Row of `surfaces` with the first light.
+        pub first_light: u32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+    }
+}
+
+/// The parameters of a kernel that traces: they hold those of its scene.
+pub trait TracingParams {
+    /// The scene's.
+    fn scene(&self) -> SceneParams;
+}
+
+/// Everything that a ray may hit, and what lights it.
 #[derive(Clone, Copy)]
 pub struct SceneView<'a> {
     /// The geometry, to trace rays through.
     pub bvh: BvhView<'a>,
-    /// What they hit.
+    /// What rays hit.
     pub surfaces: SurfaceView<'a>,
+    /// What emits.
+    pub lights: LightView<'a>,
+    /// Radiance where no ray hits anything, linear Rec.709.
+    pub background: Vec3,
 }
 
 impl<'a> SceneView<'a> {
-    /// Wraps the buffers. `nodes` and `triangles` are as in [`BvhView::new`], the others as in
-    /// [`SurfaceView::new`].
+    /// Wraps the buffers, which the [module](self) describes. The host answers for what they hold.
     #[inline(always)]
     pub fn new(
-        nodes: &'a [UVec4],
-        triangles: &'a [UVec4],
-        attributes: &'a [Attributes],
-        materials: &'a [Material],
+        params: &SceneParams,
+        geometry: &'a [UVec4],
+        surfaces: &'a [UVec4],
         texels: &'a [u32],
-        offset_roundings: f32,
     ) -> Self {
         Self {
-            bvh: BvhView::new(nodes, triangles),
-            surfaces: SurfaceView::new(triangles, attributes, materials, texels, offset_roundings),
+            bvh: BvhView::new(geometry, params.first_planes),
+            surfaces: SurfaceView {
+                rows: surfaces,
+                first_attributes: params.first_attributes,
+                first_material: params.first_material,
+                offset_roundings: params.offset_roundings,
+                textures: TextureView::new(texels),
+            },
+            lights: LightView {
+                rows: surfaces,
+                first: params.first_light,
+                count: params.lights,
+                total_importance: params.total_importance,
+                offset_roundings: params.offset_roundings,
+            },
+            background: params.background,
         }
     }
 }

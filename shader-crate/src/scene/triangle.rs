@@ -1,24 +1,19 @@
-//! Triangles, twice: as the traversal tests them and as shading looks them up.
-//!
-//! One buffer holds three `uvec4`s of each triangle for the test and then, from its middle on,
-//! three of each for shading, both in the order of the BVH's leaves:
+//! Triangles as shading looks them up, in the order of the BVH's leaves. Traversal has its own form
+//! of them, see [`crate::scene::bvh::planes`].
 //!
 //! ```text
-//! test:    normal, its offset | u gradient, u offset | v gradient, v offset
-//! shading: corner 0 xyz, material | edge to corner 1 xyz, attributes | edge to corner 2 xyz, unused
+//! triangle:   corner 0, material | edge to corner 1, attributes | edge to corner 2, unused
+//! attributes: normal 0, u0 | normal 1, v0 | normal 2, u1 | v1, u2, v2, unused
 //! ```
 //!
-//! What the words of a row are, [`crate::memory::rows`] says.
+//! Row layout: see [`crate::memory::rows`].
 
 use crate::glam::{UVec4, Vec3};
 use crate::math::{UNIT_ROUNDOFF, triangle_normal};
-use crate::memory::access::at;
 use crate::memory::device_struct;
-use crate::memory::rows::{row, vector};
-use crate::scene::ray::{Hit, OFFSET_ROUNDINGS, Ray, SurfacePoint};
+use crate::memory::rows::{float, row, vector};
+use crate::scene::ray::{Hit, OFFSET_ROUNDINGS, SurfacePoint};
 
-/// `uvec4`s of one triangle, in either half of the buffer.
-const ROWS: u32 = 3;
 /// The attribute index of a triangle without normals and texture coordinates.
 pub const NO_ATTRIBUTES: u32 = u32::MAX;
 
@@ -43,95 +38,54 @@ device_struct! {
     pub struct Attributes {
         /// Unit normal at corner 0; all three are zero where there are none.
         pub normal0: Vec3,
-        /// Texture coordinate at corner 0.
+        /// Texture coordinate u at corner 0.
         pub u0: f32,
         /// Unit normal at corner 1.
         pub normal1: Vec3,
-        /// Texture coordinate at corner 0.
+        /// Texture coordinate v at corner 0.
         pub v0: f32,
         /// Unit normal at corner 2.
         pub normal2: Vec3,
-        /// Texture coordinate at corner 1.
+        /// Texture coordinate u at corner 1.
         pub u1: f32,
-        /// Texture coordinate at corner 1.
+        /// Texture coordinate v at corner 1.
         pub v1: f32,
-        /// Texture coordinate at corner 2.
+        /// Texture coordinate u at corner 2.
         pub u2: f32,
-        /// Texture coordinate at corner 2.
+        /// Texture coordinate v at corner 2.
         pub v2: f32,
         /// Unused; zero.
         pub pad: u32,
     }
 }
 
-/// The triangles of a scene.
-#[derive(Clone, Copy)]
-pub struct TriangleView<'a> {
-    rows: &'a [UVec4],
-}
+impl Attributes {
+    /// Rows of one.
+    pub const ROWS: u32 = 4;
 
-impl<'a> TriangleView<'a> {
-    /// Wraps the buffer.
-    pub fn new(rows: &'a [UVec4]) -> Self {
-        Self { rows }
-    }
-
-    /// The triangle number `index`, in the order of the BVH, for shading.
-    pub fn get(&self, index: u32) -> Triangle {
-        Triangle::from_rows(self.rows_from(self.rows.len() as u32 / 2 + index * ROWS))
-    }
-
-    /// The same triangle, for the test.
-    #[inline(always)]
-    pub fn planes(&self, index: u32) -> Planes {
-        Planes { rows: self.rows_from(index * ROWS) }
-    }
-
-    #[inline(always)]
-    fn rows_from(&self, first: u32) -> [UVec4; ROWS as usize] {
-        [at(self.rows, first), at(self.rows, first + 1), at(self.rows, first + 2)]
-    }
-}
-
-/// A triangle as three affine functions of a point: the distance from its plane and two barycentric
-/// coordinates.
-#[derive(Clone, Copy)]
-pub struct Planes {
-    rows: [UVec4; 3],
-}
-
-impl Planes {
-    /// Where the line `origin + t * direction` meets the triangle's plane, as `(t, u, v)`; outside
-    /// the triangle `t` is negative. Both sides count.
-    ///
-    /// After Havel and Herout, "Yet Faster Ray-Triangle Intersection (Using SSE4)", TVCG 16(3),
-    /// 2010, but for the division, which they put off. No threshold on the angle: a line in the
-    /// plane gives infinities or NaN, which fail a comparison.
-    #[inline(always)]
-    fn intersect(&self, origin: Vec3, direction: Vec3) -> (f32, f32, f32) {
-        let [plane, u_plane, v_plane] = self.rows;
-        let offset = |row: UVec4| f32::from_bits(row.w);
-        let normal = vector(plane);
-        let t = (offset(plane) - normal.dot(origin)) / normal.dot(direction);
-        let point = origin + direction * t;
-        let u = vector(u_plane).dot(point) + offset(u_plane);
-        let v = vector(v_plane).dot(point) + offset(v_plane);
-        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
-        (if inside { t } else { -1.0 }, u, v)
-    }
-
-    /// Makes triangle number `index`, which this one is, the hit of `ray` where it is nearer.
-    #[inline(always)]
-    pub fn test(&self, ray: &Ray, index: u32, hit: &mut Hit) {
-        let (t, u, v) = self.intersect(ray.origin, ray.direction);
-        if t > 0.0 && t < hit.t {
-            *hit = Hit { t, u, v, triangle: index };
+    /// Unpacks the four rows.
+    pub fn from_rows(rows: [UVec4; 4]) -> Self {
+        let last = rows[3];
+        Self {
+            normal0: vector(rows[0]),
+            u0: float(rows[0]),
+            normal1: vector(rows[1]),
+            v0: float(rows[1]),
+            normal2: vector(rows[2]),
+            u1: float(rows[2]),
+            v1: f32::from_bits(last.x),
+            u2: f32::from_bits(last.y),
+            v2: f32::from_bits(last.z),
+            pad: last.w,
         }
     }
 }
 
 impl Triangle {
-    /// Unpacks the three rows of shading.
+    /// Rows of one.
+    pub const ROWS: u32 = 3;
+
+    /// Unpacks the three rows.
     pub fn from_rows(rows: [UVec4; 3]) -> Self {
         Self {
             corner: vector(rows[0]),
@@ -142,7 +96,7 @@ impl Triangle {
         }
     }
 
-    /// The three rows of shading.
+    /// The three rows.
     pub fn to_rows(&self) -> [UVec4; 3] {
         [row(self.corner, self.material), row(self.edge1, self.attributes), row(self.edge2, 0)]
     }

@@ -1,13 +1,13 @@
 //! One stream, traced by every integrator.
 
 use super::occupancy::{self, Lanes};
-use crate::exec::{Array, ExecError, Executor};
+use crate::exec::{Array, ExecError, Executor, SceneBuffers};
 use crate::render::integrator::regeneration::RESIDENT;
 use crate::render::integrator::{Integrator, IntegratorContext, StreamBuffers, create};
-use crate::render::{IntegratorKind, PreparedScene, SceneBuffers, Settings, Techniques};
+use crate::render::{IntegratorKind, PreparedScene, Settings, Techniques};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
-use raystream_shaders::integrator::path::PathParams;
+use raystream_shaders::integrator::params::PathParams;
 
 /// A stream of runs of one length, in rank order.
 pub struct Stream<B> {
@@ -42,7 +42,7 @@ impl<B> Stream<B> {
         let slots: Vec<Slot> =
             (0..count).map(|k| Slot { rank: k / samples, sample: k % samples }).collect();
         Ok(Self {
-            scene: SceneBuffers::new(executor, scene)?,
+            scene: scene.buffers(executor)?,
             settings: *settings,
             parameters: scene.parameters(settings),
             without_shadow_rays: scene

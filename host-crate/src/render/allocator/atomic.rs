@@ -51,20 +51,18 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
                 RunWindow { threads: pixels, first_rank: band.first_rank, pixels, samples: 0 };
             let first = band.first_rank as usize;
             let reserved = || self.reserved.slice(first..first + band.film.len());
-            launches.push(Launch::new(
-                &kernels::reserve_slots,
+            launches.push(kernels::reserve_slots(
                 &window,
-                vec![self.table.starts_of(band), reserved(), self.counter.view()],
+                self.table.starts_of(band),
+                reserved(),
+                self.counter.view(),
             ));
-            launches.push(Launch::new(
-                &kernels::fill_reserved,
+            launches.push(kernels::fill_reserved(
                 &RunWindow { threads: stream.slots, ..window },
-                vec![
-                    self.table.starts_of(band),
-                    reserved(),
-                    band.film.view(),
-                    buffers.slots.slice(0..stream.slots as usize),
-                ],
+                self.table.starts_of(band),
+                reserved(),
+                band.film.view(),
+                buffers.slots.slice(0..stream.slots as usize),
             ));
         }
         launches
@@ -78,19 +76,16 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
         let slots = stream.slots as usize;
         let film = buffers.film;
         let in_band = film.bands().iter().map(|band| {
-            Launch::new(
-                &kernels::accumulate_atomic,
+            kernels::accumulate_atomic(
                 &RunWindow {
                     threads: stream.slots.div_ceil(STRETCH),
                     first_rank: band.first_rank,
                     pixels: band.film.len() as u32,
                     samples: 0,
                 },
-                vec![
-                    buffers.slots.slice(0..slots),
-                    buffers.contributions.slice(0..slots),
-                    band.film.view(),
-                ],
+                buffers.slots.slice(0..slots),
+                buffers.contributions.slice(0..slots).cast(),
+                band.film.view().cast(),
             )
         });
         in_band.collect()

@@ -70,41 +70,27 @@ impl<B> Paper<B> {
         let parameters = PaperParams { salt, ..self.parameters(stream, number, self.pixels) };
         let per_block = BlockParams::per_block(self.pixels);
         [
-            Launch::new(
-                &kernels::paper_select,
+            kernels::paper_select(
                 &parameters,
-                vec![
-                    buffers.errors.view(),
-                    self.scale.totals.view(),
-                    self.states.view(),
-                    self.keep.view(),
-                ],
+                buffers.errors.view(),
+                self.scale.totals.view(),
+                self.states.view(),
+                self.keep.view(),
             ),
-            Launch::new(&kernels::sum_blocks, &per_block, vec![self.keep.view(), self.sums.view()]),
-            Launch::new(
-                &kernels::scan_blocks,
-                &BlockParams::one_workgroup(self.pixels),
-                vec![self.sums.view()],
-            ),
-            Launch::new(
-                &kernels::paper_decide,
+            kernels::sum_blocks(&per_block, self.keep.view(), self.sums.view()),
+            kernels::scan_blocks(&BlockParams::one_workgroup(self.pixels), self.sums.view()),
+            kernels::paper_decide(
                 &PaperParams { threads: 1, ..parameters },
-                vec![self.sums.view(), self.states.view()],
+                self.sums.view(),
+                self.states.view(),
             ),
-            Launch::new(
-                &kernels::scatter_kept,
-                &per_block,
-                vec![self.keep.view(), self.sums.view(), self.kept.view()],
-            ),
-            Launch::new(
-                &kernels::paper_append,
+            kernels::scatter_kept(&per_block, self.keep.view(), self.sums.view(), self.kept.view()),
+            kernels::paper_append(
                 &parameters,
-                vec![
-                    self.states.view(),
-                    self.kept.view(),
-                    self.counts.view(),
-                    buffers.slots.view(),
-                ],
+                self.states.view(),
+                self.kept.view(),
+                self.counts.view(),
+                buffers.slots.view(),
             ),
         ]
     }
@@ -121,24 +107,19 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
         stream: &Stream,
     ) -> Vec<Launch<'a, E::Buffer>> {
         let mut launches = self.scale.launches(buffers.errors);
-        launches.push(Launch::new(
-            &kernels::clear_slots,
+        launches.push(kernels::clear_slots(
             &RunWindow { threads: stream.slots, first_rank: 0, pixels: 0, samples: 0 },
-            vec![buffers.slots.slice(0..stream.slots as usize)],
+            buffers.slots.slice(0..stream.slots as usize),
         ));
         for band in buffers.film.bands() {
             let first = band.first_rank as usize;
-            launches.push(Launch::new(
-                &kernels::copy_counts,
+            launches.push(kernels::copy_counts(
                 &self.parameters(stream, 0, band.film.len() as u32),
-                vec![band.film.view(), self.counts.slice(first..first + band.film.len())],
+                band.film.view(),
+                self.counts.slice(first..first + band.film.len()),
             ));
         }
-        launches.push(Launch::new(
-            &kernels::paper_begin,
-            &self.parameters(stream, 0, 1),
-            vec![self.states.view()],
-        ));
+        launches.push(kernels::paper_begin(&self.parameters(stream, 0, 1), self.states.view()));
         launches.extend((0..STREAMS).flat_map(|number| self.append(buffers, stream, number)));
         launches
     }
@@ -153,19 +134,16 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
         for number in 0..STREAMS {
             for band in buffers.film.bands() {
                 let parameters = self.parameters(stream, number, self.pixels.min(stream.slots));
-                launches.push(Launch::new(
-                    &kernels::paper_accumulate,
+                launches.push(kernels::paper_accumulate(
                     &PaperParams {
                         first_rank: band.first_rank,
                         film_pixels: band.film.len() as u32,
                         ..parameters
                     },
-                    vec![
-                        self.states.view(),
-                        buffers.slots.slice(0..slots),
-                        buffers.contributions.slice(0..slots),
-                        band.film.view(),
-                    ],
+                    self.states.view(),
+                    buffers.slots.slice(0..slots),
+                    buffers.contributions.slice(0..slots).cast(),
+                    band.film.view(),
                 ));
             }
         }

@@ -109,32 +109,26 @@ impl<B> RunTable<B> {
         };
         let mut launches = self.scale.launches(errors);
         launches.extend([
-            Launch::new(
-                &kernels::weigh_errors,
+            kernels::weigh_errors(
                 &parameters,
-                vec![
-                    errors.view(),
-                    self.scale.totals.view(),
-                    self.weights.view(),
-                    self.sums.view(),
-                ],
+                errors.view(),
+                self.scale.totals.view(),
+                self.weights.view(),
+                self.sums.view(),
             ),
-            Launch::new(
-                &kernels::scan_blocks,
-                &BlockParams::one_workgroup(self.pixels),
-                vec![self.sums.view()],
-            ),
-            Launch::new(
-                &kernels::run_starts,
+            kernels::scan_blocks(&BlockParams::one_workgroup(self.pixels), self.sums.view()),
+            kernels::run_starts(
                 &parameters,
-                vec![self.weights.view(), self.sums.view(), self.starts.view()],
+                self.weights.view(),
+                self.sums.view(),
+                self.starts.view(),
             ),
         ]);
         launches
     }
 
     /// The starts of the runs of a band's pixels, and where the last one ends.
-    pub fn starts_of(&self, band: &Band<B>) -> View<'_, B> {
+    pub fn starts_of(&self, band: &Band<B>) -> View<'_, B, u32> {
         let first = band.first_rank as usize;
         self.starts.slice(first..first + band.film.len() + 1)
     }
@@ -155,16 +149,12 @@ impl<B> ErrorScale<B> {
 
     pub fn launches<'a>(&'a self, errors: &'a Array<B, f32>) -> Vec<Launch<'a, B>> {
         vec![
-            Launch::new(
-                &kernels::block_errors,
+            kernels::block_errors(
                 &BlockParams::per_block(self.pixels),
-                vec![errors.view(), self.totals.view()],
+                errors.view(),
+                self.totals.view(),
             ),
-            Launch::new(
-                &kernels::add_block_errors,
-                &BlockParams::one_workgroup(self.pixels),
-                vec![self.totals.view()],
-            ),
+            kernels::add_block_errors(&BlockParams::one_workgroup(self.pixels), self.totals.view()),
         ]
     }
 }

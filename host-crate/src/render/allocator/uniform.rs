@@ -72,17 +72,13 @@ impl<E: Executor> Allocator<E> for Uniform<E::Buffer> {
 pub(super) fn fill_runs<'a, B>(
     buffers: &RoundBuffers<'a, B>,
     stream: &Stream,
-    starts: impl Fn(&Band<B>) -> View<'a, B>,
+    starts: impl Fn(&Band<B>) -> View<'a, B, u32>,
     samples: u32,
 ) -> Vec<Launch<'a, B>> {
     let slots = || buffers.slots.slice(0..stream.slots as usize);
     windows(buffers.film, stream, samples)
         .map(|(band, pixels, window)| {
-            Launch::new(
-                &kernels::fill_runs,
-                &window,
-                vec![starts(band), band.film.slice(pixels), slots()],
-            )
+            kernels::fill_runs(&window, starts(band), band.film.slice(pixels), slots())
         })
         .collect()
 }
@@ -91,16 +87,17 @@ pub(super) fn fill_runs<'a, B>(
 pub(super) fn accumulate_runs<'a, B>(
     buffers: &RoundBuffers<'a, B>,
     stream: &Stream,
-    starts: impl Fn(&Band<B>) -> View<'a, B>,
+    starts: impl Fn(&Band<B>) -> View<'a, B, u32>,
     samples: u32,
 ) -> Vec<Launch<'a, B>> {
     let contributions = || buffers.contributions.slice(0..stream.slots as usize);
     windows(buffers.film, stream, samples)
         .map(|(band, pixels, window)| {
-            Launch::new(
-                &kernels::accumulate_runs,
+            kernels::accumulate_runs(
                 &window,
-                vec![starts(band), contributions(), band.film.slice(pixels)],
+                starts(band),
+                contributions().cast(),
+                band.film.slice(pixels),
             )
         })
         .collect()

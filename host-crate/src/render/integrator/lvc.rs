@@ -33,14 +33,14 @@
 //! what is left is the path tracer.
 
 use super::{Integrator, IntegratorContext, StreamBuffers};
-use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits, kernels};
+use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers, halve_until_it_fits, kernels};
 use crate::render::LightCacheSettings;
 use bytemuck::Zeroable;
 use glam::UVec4;
 use raystream_shaders::integrator::lvc::LvcParams;
 use raystream_shaders::integrator::lvc::cache::{GatherParams, HEADER_ROWS};
 use raystream_shaders::integrator::lvc::light_vertex::ROWS_PER_VERTEX;
-use raystream_shaders::integrator::path::PathParams;
+use raystream_shaders::integrator::params::PathParams;
 use raystream_shaders::parallel::prefix::BlockParams;
 use std::ops::Range;
 
@@ -90,7 +90,8 @@ impl<B> Lvc<B> {
         let settings = &context.settings.light_cache;
         let path = *context.parameters;
         let light_segments = path.max_depth.saturating_sub(2);
-        if path.lights == 0 || light_segments == 0 || settings.techniques.samples()[2] == 0.0 {
+        if path.scene.lights == 0 || light_segments == 0 || settings.techniques.samples()[2] == 0.0
+        {
             return Self::with_room(context.executor, path_tracing(path, settings), 0);
         }
         let vertices_per_path = pilot(context, light_segments)?;
@@ -189,16 +190,12 @@ fn automatic_light_paths<E: Executor>(
 }
 
 fn trace_light_paths<'a, B>(
-    scene: &'a crate::render::SceneBuffers<B>,
+    scene: &'a SceneBuffers<B>,
     parameters: &LvcParams,
     counts: &'a Array<B, u32>,
     scratch: &'a Array<B, UVec4>,
 ) -> Launch<'a, B> {
-    Launch::new(
-        &kernels::trace_light_paths,
-        parameters,
-        scene.between([], [counts.view(), scratch.view()]),
-    )
+    kernels::trace_light_paths(parameters, scene, counts.view(), scratch.view())
 }
 
 /// Launches that put the vertices of `paths` light paths, of which each has room for
@@ -222,16 +219,14 @@ pub fn gather<'a, B>(
         ..GatherParams::zeroed()
     };
     vec![
-        Launch::new(&kernels::sum_blocks, &per_block, vec![counts.view(), offsets.view()]),
-        Launch::new(
-            &kernels::scan_blocks,
-            &BlockParams::one_workgroup(paths),
-            vec![offsets.view()],
-        ),
-        Launch::new(
-            &kernels::gather_vertices,
+        kernels::sum_blocks(&per_block, counts.view(), offsets.view()),
+        kernels::scan_blocks(&BlockParams::one_workgroup(paths), offsets.view()),
+        kernels::gather_vertices(
             &gather,
-            vec![counts.view(), offsets.view(), scratch.view(), cache.view()],
+            counts.view(),
+            offsets.view(),
+            scratch.view(),
+            cache.view(),
         ),
     ]
 }
@@ -266,14 +261,12 @@ impl<E: Executor> Integrator<E> for Lvc<E::Buffer> {
         part: Range<u32>,
     ) -> Vec<Launch<'a, E::Buffer>> {
         let slots = part.start as usize..part.end as usize;
-        let scene = stream.scene;
-        vec![Launch::new(
-            &kernels::trace_eye_paths,
+        vec![kernels::trace_eye_paths(
             &LvcParams { threads: part.end - part.start, ..self.parameters },
-            scene.between(
-                [stream.slots.slice(slots.clone())],
-                [self.cache.view(), stream.contributions.slice(slots)],
-            ),
+            stream.scene,
+            stream.slots.slice(slots.clone()),
+            self.cache.view(),
+            stream.contributions.slice(slots),
         )]
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Integrator, StreamBuffers};
 use crate::exec::{Executor, Launch, kernels};
-use raystream_shaders::integrator::path::PathParams;
+use raystream_shaders::integrator::params::PathParams;
 use std::ops::Range;
 
 /// See the [module](self). It needs no memory of its own.
@@ -15,11 +15,11 @@ impl<E: Executor> Integrator<E> for Megakernel {
         part: Range<u32>,
     ) -> Vec<Launch<'a, E::Buffer>> {
         let slots = part.start as usize..part.end as usize;
-        let scene = stream.scene;
-        vec![Launch::new(
-            &kernels::trace_paths,
+        vec![kernels::trace_paths(
             &PathParams { threads: part.end - part.start, ..*stream.parameters },
-            scene.between([stream.slots.slice(slots.clone())], [stream.contributions.slice(slots)]),
+            stream.scene,
+            stream.slots.slice(slots.clone()),
+            stream.contributions.slice(slots),
         )]
     }
 }

@@ -17,11 +17,11 @@ mod passes;
 pub mod regeneration;
 pub mod wavefront;
 
-use super::{IntegratorKind, SceneBuffers, Settings};
-use crate::exec::{Array, ExecError, Executor, Launch};
+use super::{IntegratorKind, Settings};
+use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
-use raystream_shaders::integrator::path::PathParams;
+use raystream_shaders::integrator::params::PathParams;
 use std::ops::Range;
 
 /// Turns slots into contributions.

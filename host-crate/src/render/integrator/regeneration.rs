@@ -3,7 +3,7 @@
 use super::{Integrator, StreamBuffers};
 use crate::exec::{ExecError, Executor, Launch, kernels};
 use crate::render::counter::Counter;
-use raystream_shaders::integrator::path::PathParams;
+use raystream_shaders::integrator::params::PathParams;
 use raystream_shaders::integrator::regeneration::SEGMENTS;
 use std::ops::Range;
 
@@ -38,16 +38,14 @@ impl<E: Executor> Integrator<E> for Regeneration<E::Buffer> {
     ) -> Vec<Launch<'a, E::Buffer>> {
         let slots = part.start as usize..part.end as usize;
         let threads = threads(part.end - part.start, stream.parameters.max_depth);
-        let scene = stream.scene;
         vec![
             self.taken.clear(),
-            Launch::new(
-                &kernels::regenerate_paths,
+            kernels::regenerate_paths(
                 &PathParams { threads, ..*stream.parameters },
-                scene.between(
-                    [stream.slots.slice(slots.clone())],
-                    [stream.contributions.slice(slots), self.taken.view()],
-                ),
+                stream.scene,
+                stream.slots.slice(slots.clone()),
+                stream.contributions.slice(slots),
+                self.taken.view(),
             ),
         ]
     }

@@ -11,8 +11,8 @@ use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits, kerne
 use crate::render::film::WINDOW_ALIGNMENT;
 use bytemuck::Zeroable;
 use glam::UVec4;
-use raystream_shaders::integrator::wavefront::pool::POOL_ROWS;
-use raystream_shaders::integrator::wavefront::{Queue, WavefrontParams};
+use raystream_shaders::integrator::wavefront::WavefrontParams;
+use raystream_shaders::integrator::wavefront::pool::{POOL_ROWS, Queue};
 use raystream_shaders::parallel::prefix::BlockParams;
 use std::ops::Range;
 
@@ -30,7 +30,9 @@ pub struct Wavefront<B> {
     capacity: u32,
     /// Whether lanes without a path take the next slots.
     regenerates: bool,
-    /// The states of the paths, see [`POOL_ROWS`].
+    /// Rows of queues: one for each iteration, rounded up so that what follows is aligned.
+    queues: u32,
+    /// The queues and the states of the paths, see [`raystream_shaders::integrator::wavefront::pool`].
     rows: Array<B, UVec4>,
     /// Which lanes have a path that goes on: 1, else 0.
     goes_on: Array<B, u32>,
@@ -38,8 +40,6 @@ pub struct Wavefront<B> {
     kept: Array<B, u32>,
     /// How many there are before each block of lanes and, after the last, in all.
     offsets: Array<B, u32>,
-    /// The paths of each iteration.
-    queues: Array<B, Queue>,
 }
 
 impl<B> Wavefront<B> {
@@ -84,11 +84,17 @@ impl<B> Wavefront<B> {
     ) -> Result<Self, ExecError> {
         let lanes = capacity as usize;
         let passes = Pass::all(stream, capacity, regenerates, u32::MAX);
-        let iterations = passes.last().map_or(0, |pass| pass.iterations.end) as usize;
+        let iterations = passes.last().map_or(0, |pass| pass.iterations.end);
+        let queues = iterations.next_multiple_of(WINDOW_ALIGNMENT);
         Ok(Self {
             capacity,
             regenerates,
-            rows: Array::zeroed(executor, "paths under way", lanes * POOL_ROWS as usize)?,
+            queues,
+            rows: Array::zeroed(
+                executor,
+                "paths under way",
+                queues as usize + lanes * POOL_ROWS as usize,
+            )?,
             goes_on: Array::zeroed(executor, "which paths go on", lanes)?,
             kept: Array::zeroed(executor, "a queue of paths", lanes)?,
             offsets: Array::zeroed(
@@ -96,7 +102,6 @@ impl<B> Wavefront<B> {
                 "sums over paths",
                 BlockParams::per_block(capacity).blocks as usize + 1,
             )?,
-            queues: Array::zeroed(executor, "lengths of queues", iterations)?,
         })
     }
 
@@ -147,61 +152,43 @@ impl<'a, B> Launcher<'a, '_, B> {
             regenerates: u32::from(self.pool.regenerates),
             first_slot: self.pass.slots.start,
             end_slot: self.pass.slots.end,
+            queues: self.pool.queues,
             path: *self.stream.parameters,
             ..WavefrontParams::zeroed()
         }
     }
 
     fn trace(&self, iteration: u32) -> Launch<'a, B> {
-        let (pool, scene) = (self.pool, self.stream.scene);
-        Launch::new(
-            &kernels::trace_queue,
+        let pool = self.pool;
+        kernels::trace_queue(
             &self.parameters(iteration),
-            vec![
-                self.stream.slots.slice(self.part.clone()),
-                scene.nodes.view(),
-                scene.triangles.view(),
-                pool.kept.view(),
-                pool.offsets.view(),
-                pool.rows.view(),
-                pool.queues.view(),
-            ],
+            self.stream.scene,
+            self.stream.slots.slice(self.part.clone()),
+            pool.kept.view(),
+            pool.offsets.view(),
+            pool.rows.view(),
         )
     }
 
     fn shade(&self, iteration: u32) -> Launch<'a, B> {
-        let (pool, scene) = (self.pool, self.stream.scene);
-        Launch::new(
-            &kernels::shade_queue,
+        let pool = self.pool;
+        kernels::shade_queue(
             &self.parameters(iteration),
-            vec![
-                self.stream.slots.slice(self.part.clone()),
-                scene.triangles.view(),
-                scene.attributes.view(),
-                scene.materials.view(),
-                scene.lights.view(),
-                scene.texels.view(),
-                pool.kept.view(),
-                pool.queues.view(),
-                pool.goes_on.view(),
-                pool.rows.view(),
-                self.stream.contributions.slice(self.part.clone()),
-            ],
+            self.stream.scene,
+            self.stream.slots.slice(self.part.clone()),
+            pool.kept.view(),
+            pool.goes_on.view(),
+            pool.rows.view(),
+            self.stream.contributions.slice(self.part.clone()),
         )
     }
 
     fn shadow(&self, iteration: u32) -> Launch<'a, B> {
-        let (pool, scene) = (self.pool, self.stream.scene);
-        Launch::new(
-            &kernels::shadow_queue,
+        kernels::shadow_queue(
             &self.parameters(iteration),
-            vec![
-                scene.nodes.view(),
-                scene.triangles.view(),
-                pool.queues.view(),
-                pool.rows.view(),
-                self.stream.contributions.slice(self.part.clone()),
-            ],
+            self.stream.scene,
+            self.pool.rows.view(),
+            self.stream.contributions.slice(self.part.clone()),
         )
     }
 
@@ -210,32 +197,23 @@ impl<'a, B> Launcher<'a, '_, B> {
         let per_block = BlockParams::per_block(self.pass.lanes);
         let one = BlockParams::one_workgroup(self.pass.lanes);
         [
-            Launch::new(&kernels::sum_blocks, &per_block, vec![goes_on.view(), offsets.view()]),
-            Launch::new(&kernels::scan_blocks, &one, vec![offsets.view()]),
-            Launch::new(
-                &kernels::scatter_kept,
-                &per_block,
-                vec![goes_on.view(), offsets.view(), kept.view()],
-            ),
+            kernels::sum_blocks(&per_block, goes_on.view(), offsets.view()),
+            kernels::scan_blocks(&one, offsets.view()),
+            kernels::scatter_kept(&per_block, goes_on.view(), offsets.view(), kept.view()),
         ]
     }
 
     /// `end` is the number after that of the last iteration.
     fn finish(&self, end: u32) -> Launch<'a, B> {
-        let (pool, scene) = (self.pool, self.stream.scene);
-        Launch::new(
-            &kernels::finish_queue,
+        let pool = self.pool;
+        kernels::finish_queue(
             &self.parameters(end),
-            scene.between(
-                [self.stream.slots.slice(self.part.clone())],
-                [
-                    pool.kept.view(),
-                    pool.offsets.view(),
-                    pool.queues.view(),
-                    pool.rows.view(),
-                    self.stream.contributions.slice(self.part.clone()),
-                ],
-            ),
+            self.stream.scene,
+            self.stream.slots.slice(self.part.clone()),
+            pool.kept.view(),
+            pool.offsets.view(),
+            pool.rows.view(),
+            self.stream.contributions.slice(self.part.clone()),
         )
     }
 }
@@ -262,7 +240,7 @@ impl<E: Executor> Integrator<E> for Wavefront<E::Buffer> {
     ) -> Result<Vec<u32>, ExecError> {
         let iterations =
             self.passes(stream, &part).last().map_or(0, |pass| pass.iterations.end) as usize;
-        let queues = self.queues.read_range(executor, 0..iterations)?;
-        Ok(queues.into_iter().map(|queue| queue.active).collect())
+        let rows = self.rows.read_range(executor, 0..iterations)?;
+        Ok(rows.into_iter().map(|row| Queue::from_row(row).active).collect())
     }
 }

@@ -13,48 +13,28 @@ use super::{LvcParams, MAX_CONNECTIONS};
 use crate::film::Contribution;
 use crate::film::stream::{NO_PIXEL, Slot};
 use crate::glam::{UVec4, Vec3};
-use crate::integrator::path::{camera_ray, contribution, goes_on, numbers_of, sample_bsdf};
+use crate::integrator::nee::NextEvent;
 use crate::math::is_finite_vector;
-use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, SampleStream, of_vertex, unit_float};
+use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, unit_float};
 use crate::memory::access::at;
 use crate::scene::SceneView;
-use crate::scene::bsdf::{DIFFUSE, Material, diffuse_pdf};
-use crate::scene::light::{Light, LightView, area_pdf};
-use crate::scene::ray::{Ray, SurfacePoint};
-use crate::scene::{surface::Surface, triangle::Attributes};
+use crate::scene::ray::Ray;
+use crate::scene::surface::Surface;
 
 /// First dimension of the draws from the cache, beyond those of the longest path.
 const DRAWS: u32 = 1 << 31;
 
 /// Kernel: traces the eye path of slot `lane` to its end.
-#[allow(clippy::too_many_arguments)] // one per binding; the body sees views
 pub fn trace_eye_paths(
     lane: u32,
     params: &LvcParams,
+    scene: &SceneView<'_>,
     slots: &[Slot],
-    nodes: &[UVec4],
-    triangles: &[UVec4],
-    attributes: &[Attributes],
-    materials: &[Material],
-    lights: &[Light],
-    texels: &[u32],
     cache: &[UVec4],
     contribution: &mut Contribution,
 ) {
-    let tracer = EyeTracer {
-        params,
-        samples: params.samples(),
-        scene: SceneView::new(
-            nodes,
-            triangles,
-            attributes,
-            materials,
-            texels,
-            params.path.offset_roundings,
-        ),
-        lights: LightView::new(lights, params.path.lights),
-        cache: LightCache::new(cache),
-    };
+    let samples = params.samples();
+    let tracer = EyeTracer { params, samples, scene: *scene, cache: LightCache::new(cache) };
     let slot = at(slots, lane);
     *contribution = if slot.rank == NO_PIXEL { Contribution::NOTHING } else { tracer.trace(slot) };
 }
@@ -65,7 +45,6 @@ struct EyeTracer<'a> {
     params: &'a LvcParams,
     samples: TechniqueSamples,
     scene: SceneView<'a>,
-    lights: LightView<'a>,
     cache: LightCache<'a>,
 }
 
@@ -84,9 +63,9 @@ struct EyePath {
 impl EyeTracer<'_> {
     /// The contribution of one slot.
     fn trace(&self, slot: Slot) -> Contribution {
-        let numbers = numbers_of(&self.params.path, slot);
+        let numbers = self.params.path.numbers(slot);
         let mut path = EyePath {
-            ray: camera_ray(&self.params.path, slot, &numbers),
+            ray: self.params.path.camera_ray(slot, &numbers),
             throughput: Vec3::ONE,
             subpath: Subpath::FROM_CAMERA,
             radiance: Vec3::ZERO,
@@ -96,66 +75,58 @@ impl EyeTracer<'_> {
         while self.extend(&mut path, &numbers, depth) {
             depth += 1;
         }
-        contribution(path.radiance, path.rays)
+        Contribution::of(path.radiance, path.rays)
     }
 
     /// Traces segment number `depth` (from 1) and picks the next; false where the path ends.
     #[inline(always)]
-    fn extend(&self, path: &mut EyePath, numbers: &SampleStream, depth: u32) -> bool {
+    fn extend(&self, path: &mut EyePath, numbers: &RandomNumbers, depth: u32) -> bool {
         let render = &self.params.path;
         path.rays += 1;
         let hit = self.scene.bvh.closest_hit(&path.ray);
         if !hit.is_some() {
             // No other technique finds the background.
-            path.radiance += path.throughput * render.background;
+            path.radiance += path.throughput * self.scene.background;
             return false;
         }
         let surface = Surface::at(&self.scene.surfaces, &path.ray, &hit);
         let incoming = path.ray.direction;
         let arriving = cosine(surface.point.normal, incoming);
         path.subpath = path.subpath.arrive(hit.t, arriving);
-        if surface.from_front && surface.material.emits() {
-            let light_pdf = area_pdf(surface.material.emission, render.total_importance);
+        if surface.emits() {
+            let light_pdf = self.scene.lights.area_pdf(surface.emission);
             let weight = emission_weight(&self.samples, &path.subpath, light_pdf, arriving);
-            path.radiance += path.throughput * surface.material.emission * weight;
+            path.radiance += path.throughput * surface.emission * weight;
         }
         if depth >= render.max_depth {
             return false;
         }
         let vertex = depth - 1;
         let [choice, roulette] = numbers.bits(of_vertex(vertex, CHOICES));
-        if surface.material.kind == DIFFUSE {
-            let back = lambert(cosine(surface.normal, incoming));
+        if !surface.bsdf.is_delta() {
+            let back = lambert(cosine(surface.bsdf.normal, incoming));
             let norm = path.subpath.norm(self.samples.connection, back);
-            if !self.lights.is_empty() && self.samples.light > 0.0 {
-                self.sample_light(
-                    path,
-                    &surface,
-                    norm,
-                    choice,
-                    numbers.pair(of_vertex(vertex, LIGHT_POINT)),
-                );
+            if !self.scene.lights.is_empty() && self.samples.light > 0.0 {
+                let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
+                self.sample_light(path, &surface, norm, choice, point);
             }
-            if self.params.connections > 0 && surface.material.reflectance.max_element() > 0.0 {
+            if self.params.connections > 0 && surface.bsdf.reflectance.max_element() > 0.0 {
                 self.connect(path, &surface, norm, numbers, depth);
             }
         }
-        let sample = sample_bsdf(
-            &surface,
-            incoming,
-            numbers.pair(of_vertex(vertex, BSDF)),
-            unit_float(choice),
-        );
+        let u = numbers.pair(of_vertex(vertex, BSDF));
+        let sample = surface.bsdf.sample(incoming, u, unit_float(choice));
         path.throughput *= sample.weight;
         path.subpath = path.subpath.scatter(&surface, incoming, &sample, self.samples.connection);
-        if !goes_on(render, depth, roulette, &mut path.throughput) {
+        if !render.survives(depth, roulette, &mut path.throughput) {
             return false;
         }
         path.ray = Ray::new(surface.point.offset_towards(sample.direction), sample.direction);
         true
     }
 
-    /// Next-event estimation at a diffuse surface: adds what a sampled point of a light sends here.
+    /// Next-event estimation: adds what a sampled point of a light sends to a surface, whose
+    /// subpath has this [`norm`](Subpath::norm).
     fn sample_light(
         &self,
         path: &mut EyePath,
@@ -164,29 +135,18 @@ impl EyeTracer<'_> {
         choice: u32,
         point: [f32; 2],
     ) {
-        let light = self.lights.sample(self.lights.choose(choice), point);
-        let offset = light.position - surface.point.position;
-        let distance2 = offset.length_squared();
-        let direction = offset.normalize();
-        let cosine_light = -direction.dot(light.normal);
-        let bsdf_pdf = diffuse_pdf(surface.normal, direction);
-        if !(cosine_light > 0.0 && bsdf_pdf > 0.0 && distance2 > 0.0) {
+        let incoming = path.ray.direction;
+        let event = NextEvent::sample(&self.scene.lights, surface, incoming, choice, point);
+        if !event.is_some() {
             return;
         }
-        let cosine_here = cosine(surface.point.normal, direction);
-        let join = Join::new(distance2, cosine_here, bsdf_pdf, cosine_light, lambert(cosine_light));
-        let weight = light_weight(&self.samples, &join, norm, light.pdf);
-        let reflected = surface.material.reflectance * light.radiance * (join.to_light / light.pdf);
-        // The light's rounding errors are those of what is near it, at least.
-        let end = light.point(self.scene.surfaces.offset_roundings);
-        let end = SurfacePoint { magnitude: end.magnitude.max(surface.point.magnitude), ..end };
-        self.add_unless_occluded(
-            path,
-            surface,
-            direction,
-            end.offset_towards(light.normal),
-            reflected * weight,
-        );
+        let light = &event.light;
+        let cosine_here = cosine(surface.point.normal, light.direction);
+        let distance2 = light.distance * light.distance;
+        let emission_pdf = lambert(light.cosine);
+        let join = Join::new(distance2, cosine_here, event.bsdf_pdf, light.cosine, emission_pdf);
+        let weight = light_weight(&self.samples, &join, norm, light.area_pdf);
+        self.add_unless_occluded(path, &event.segment(surface), event.radiance * weight);
     }
 
     /// Connects a diffuse surface with vertices drawn from the cache. `depth` segments lead here.
@@ -195,7 +155,7 @@ impl EyeTracer<'_> {
         path: &mut EyePath,
         surface: &Surface,
         norm: f32,
-        numbers: &SampleStream,
+        numbers: &RandomNumbers,
         depth: u32,
     ) {
         let vertices = self.cache.len();
@@ -227,39 +187,32 @@ impl EyeTracer<'_> {
         let offset = light.position - surface.point.position;
         let distance2 = offset.length_squared();
         let direction = offset.normalize();
-        let eye_pdf = diffuse_pdf(surface.normal, direction);
-        let light_pdf = diffuse_pdf(light.normal, -direction);
-        if !(eye_pdf > 0.0 && light_pdf > 0.0 && distance2 > 0.0) {
+        let here = surface.bsdf.eval(path.ray.direction, direction);
+        let light_pdf = light.pdf(-direction);
+        if !(here.pdf > 0.0 && light_pdf > 0.0 && distance2 > 0.0) {
             return;
         }
         let cosine_here = cosine(surface.point.normal, direction);
         let cosine_there = cosine(light.geometric, direction);
-        let join = Join::new(distance2, cosine_here, eye_pdf, cosine_there, light_pdf);
+        let join = Join::new(distance2, cosine_here, here.pdf, cosine_there, light_pdf);
         let weight = connection_weight(&self.samples, &join, norm, light.norm);
-        let reflected = surface.material.reflectance * light.flux * (join.to_light * scale);
-        let end = light.point(self.scene.surfaces.offset_roundings).offset_towards(-direction);
-        self.add_unless_occluded(path, surface, direction, end, reflected * weight);
+        let reflected = here.weight * light.flux * (join.to_light * scale);
+        // Both ends leave their surfaces, so that neither occludes itself.
+        let from = surface.point.offset_towards(direction);
+        let offset_roundings = self.scene.surfaces.offset_roundings;
+        let to = light.point(offset_roundings).offset_towards(-direction);
+        self.add_unless_occluded(path, &Ray::segment(from, to - from, 1.0), reflected * weight);
     }
 
-    /// Adds what arrives from `end`, which lies in `direction` from a surface, if nothing is
-    /// between.
-    fn add_unless_occluded(
-        &self,
-        path: &mut EyePath,
-        surface: &Surface,
-        direction: Vec3,
-        end: Vec3,
-        reflected: Vec3,
-    ) {
+    /// Adds the light that arrives along a segment if nothing is in its way.
+    fn add_unless_occluded(&self, path: &mut EyePath, segment: &Ray, reflected: Vec3) {
         let radiance = path.throughput * reflected;
         // Ends that all but touch may overflow: a set without a measure that is left out.
         if radiance.max_element() <= 0.0 || !is_finite_vector(radiance) {
             return;
         }
-        // Both ends leave their surfaces, so that neither occludes itself.
-        let start = surface.point.offset_towards(direction);
         path.rays += 1;
-        if !self.scene.bvh.is_occluded(&Ray::segment(start, end - start, 1.0)) {
+        if !self.scene.bvh.is_occluded(segment) {
             path.radiance += radiance;
         }
     }

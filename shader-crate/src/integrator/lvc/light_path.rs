@@ -7,46 +7,30 @@
 
 use super::LvcParams;
 use super::light_vertex::{LightVertex, ROWS_PER_VERTEX};
-use super::mis::{Subpath, TechniqueSamples, cosine, is_transmitted, lambert};
+use super::mis::{Subpath, TechniqueSamples, cosine, lambert};
 use crate::glam::{UVec4, Vec3};
-use crate::integrator::path::{goes_on, sample_bsdf};
-use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, SampleStream, hash, of_vertex, unit_float};
+use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, hash, of_vertex, unit_float};
 use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::Scatter;
 use crate::scene::SceneView;
-use crate::scene::bsdf::{BsdfSample, DIFFUSE, Material};
-use crate::scene::light::{Light, LightView};
+use crate::scene::bsdf::BsdfSample;
+use crate::scene::light::LightView;
 use crate::scene::ray::Ray;
-use crate::scene::{surface::Surface, triangle::Attributes};
+use crate::scene::surface::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
 
 /// Kernel: traces light path `lane`, writes its vertices to its part of `scratch` and their number
 /// to `count`.
-#[allow(clippy::too_many_arguments)] // one per binding; the body sees views
 pub fn trace_light_paths(
     lane: u32,
     params: &LvcParams,
-    nodes: &[UVec4],
-    triangles: &[UVec4],
-    attributes: &[Attributes],
-    materials: &[Material],
-    lights: &[Light],
-    texels: &[u32],
+    scene: &SceneView<'_>,
     count: &mut u32,
     scratch: &mut Scatter<'_, UVec4>,
 ) {
-    let scene = SceneView::new(
-        nodes,
-        triangles,
-        attributes,
-        materials,
-        texels,
-        params.path.offset_roundings,
-    );
-    let lights = LightView::new(lights, params.path.lights);
     let samples = params.samples();
     let numbers = random_numbers(params, lane);
-    let mut path = LightPath::emit(&samples, &lights, &numbers, params.path.offset_roundings);
+    let mut path = LightPath::emit(&samples, &scene.lights, &numbers);
     let mut vertices = 0;
     let mut segment = 1;
     while segment <= params.light_segments {
@@ -56,7 +40,7 @@ pub fn trace_light_paths(
         }
         let surface = Surface::at(&scene.surfaces, &path.ray, &hit);
         path.arrive(&surface, hit.t);
-        if surface.material.kind == DIFFUSE && surface.material.reflectance.max_element() > 0.0 {
+        if !surface.bsdf.is_delta() && surface.bsdf.reflectance.max_element() > 0.0 {
             if params.vertices_per_path > 0 {
                 let place = lane * params.vertices_per_path + vertices;
                 path.vertex(&samples, &surface, segment).store(scratch, place * ROWS_PER_VERTEX);
@@ -72,8 +56,13 @@ pub fn trace_light_paths(
 }
 
 /// The numbers of a light path: of other seeds than those of eye paths, a sequence for each round.
-fn random_numbers(params: &LvcParams, path: u32) -> SampleStream {
-    SampleStream::new(params.path.sampler, hash(params.path.seed ^ 0x6c76_6331), params.round, path)
+fn random_numbers(params: &LvcParams, path: u32) -> RandomNumbers {
+    RandomNumbers::new(
+        params.path.sampler,
+        hash(params.path.seed ^ 0x6c76_6331),
+        params.round,
+        path,
+    )
 }
 
 /// A light path under way. Its vertex number 0 is on the light.
@@ -88,17 +77,13 @@ struct LightPath {
 }
 
 impl LightPath {
-    fn emit(
-        samples: &TechniqueSamples,
-        lights: &LightView<'_>,
-        numbers: &SampleStream,
-        offset_roundings: f32,
-    ) -> Self {
+    fn emit(samples: &TechniqueSamples, lights: &LightView<'_>, numbers: &RandomNumbers) -> Self {
         let [choice, _] = numbers.bits(of_vertex(0, CHOICES));
-        let light = lights.sample(lights.choose(choice), numbers.pair(of_vertex(0, LIGHT_POINT)));
+        let light = lights.point(choice, numbers.pair(of_vertex(0, LIGHT_POINT)));
         let direction = sample_cosine_hemisphere(light.normal, numbers.pair(of_vertex(0, BSDF)));
+        let point = light.point(lights.offset_roundings);
         Self {
-            ray: Ray::new(light.point(offset_roundings).offset_towards(light.normal), direction),
+            ray: Ray::new(point.offset_towards(light.normal), direction),
             // Radiance times cosine over both densities.
             flux: light.radiance * (PI / light.pdf),
             throughput: Vec3::ONE,
@@ -114,16 +99,16 @@ impl LightPath {
 
     /// The vertex at a diffuse surface, after this many segments.
     fn vertex(&self, samples: &TechniqueSamples, surface: &Surface, segments: u32) -> LightVertex {
-        let from = cosine(surface.normal, self.ray.direction);
+        let from = cosine(surface.bsdf.normal, self.ray.direction);
         let bent = from / cosine(surface.point.normal, self.ray.direction);
         LightVertex {
             position: surface.point.position,
             magnitude: surface.point.magnitude,
             geometric: surface.point.normal,
             norm: self.subpath.norm(samples.of(segments), lambert(from)),
-            normal: surface.normal,
+            normal: surface.bsdf.normal,
             segments,
-            flux: self.flux * self.throughput * surface.material.reflectance * (bent * FRAC_1_PI),
+            flux: self.flux * self.throughput * surface.bsdf.reflectance * (bent * FRAC_1_PI),
         }
     }
 
@@ -133,20 +118,16 @@ impl LightPath {
         params: &LvcParams,
         samples: &TechniqueSamples,
         surface: &Surface,
-        numbers: &SampleStream,
+        numbers: &RandomNumbers,
         segment: u32,
     ) -> bool {
         let [choice, roulette] = numbers.bits(of_vertex(segment, CHOICES));
         let incoming = self.ray.direction;
-        let sample = sample_bsdf(
-            surface,
-            incoming,
-            numbers.pair(of_vertex(segment, BSDF)),
-            unit_float(choice),
-        );
+        let u = numbers.pair(of_vertex(segment, BSDF));
+        let sample = surface.bsdf.sample(incoming, u, unit_float(choice));
         self.throughput *= adjoint_weight(surface, incoming, &sample);
         self.subpath = self.subpath.scatter(surface, incoming, &sample, samples.of(segment));
-        if !goes_on(&params.path, segment, roulette, &mut self.throughput) {
+        if !params.path.survives(segment, roulette, &mut self.throughput) {
             return false;
         }
         self.ray = Ray::new(surface.point.offset_towards(sample.direction), sample.direction);
@@ -155,15 +136,12 @@ impl LightPath {
 }
 
 /// The weight of a direction by the adjoint BSDF (Veach 1997, equation 5.19): what a light path's
-/// throughput is multiplied by where it arrived along `incoming`.
+/// throughput is multiplied by where it arrived along `incoming`. Flux that crosses a boundary is
+/// not scaled by the indices of refraction.
 pub fn adjoint_weight(surface: &Surface, incoming: Vec3, sample: &BsdfSample) -> Vec3 {
-    let weight = if is_transmitted(surface, sample) {
-        surface.material.transmittance
-    } else {
-        sample.weight
-    };
-    let shading = cosine(surface.normal, incoming) / cosine(surface.normal, sample.direction);
-    let geometric =
-        cosine(surface.point.normal, sample.direction) / cosine(surface.point.normal, incoming);
-    weight * (shading * geometric)
+    let weight = sample.weight * (sample.eta * sample.eta);
+    let (normal, geometric) = (surface.bsdf.normal, surface.point.normal);
+    let shading = cosine(normal, incoming) / cosine(normal, sample.direction);
+    let bent = cosine(geometric, sample.direction) / cosine(geometric, incoming);
+    weight * (shading * bent)
 }

@@ -11,6 +11,7 @@
 use crate::glam::{UVec4, Vec3};
 use crate::memory::access::Scatter;
 use crate::memory::rows::{row, vector};
+use crate::scene::bsdf::diffuse;
 use crate::scene::ray::SurfacePoint;
 
 /// `uvec4`s of one vertex.
@@ -59,6 +60,11 @@ impl LightVertex {
             segments: rows[2].w,
             flux: vector(rows[3]),
         }
+    }
+
+    /// Density per solid angle with which the path from the light would go on in `direction`.
+    pub fn pdf(&self, direction: Vec3) -> f32 {
+        diffuse::pdf(self.normal, direction)
     }
 
     /// Where it is, and how a ray leaves it.

@@ -144,8 +144,8 @@ impl Subpath {
         samples: f32,
     ) -> Self {
         let leaving = cosine(surface.point.normal, sample.direction);
-        let from = cosine(surface.normal, incoming);
-        let to = cosine(surface.normal, sample.direction);
+        let from = cosine(surface.bsdf.normal, incoming);
+        let to = cosine(surface.bsdf.normal, sample.direction);
         if sample.pdf > 0.0 {
             return self.diffuse(leaving, lambert(to), self.norm(samples, lambert(from)));
         }
@@ -153,13 +153,8 @@ impl Subpath {
         // two delta distributions is that of the solid angles: 1 for a reflection, and by Snell's
         // law n1^2 cos1 / (n2^2 cos2) for a refraction.
         let mut solid_angles = 1.0;
-        if is_transmitted(surface, sample) {
-            let eta = if surface.from_outside {
-                surface.material.ior
-            } else {
-                1.0 / surface.material.ior
-            };
-            solid_angles = from / (eta * eta * to);
+        if sample.is_transmitted(surface.bsdf.normal) {
+            solid_angles = from / (sample.eta * sample.eta * to);
         }
         Self { adjacent: 0.0, earlier: solid_angles * leaving * self.earlier }
     }
@@ -168,11 +163,6 @@ impl Subpath {
     fn diffuse(self, leaving: f32, pdf: f32, norm: f32) -> Self {
         Self { adjacent: 1.0 / pdf, earlier: leaving / pdf * norm }
     }
-}
-
-/// Whether a specular sample crosses the surface.
-pub fn is_transmitted(surface: &Surface, sample: &BsdfSample) -> bool {
-    sample.pdf == 0.0 && sample.direction.dot(surface.normal) < 0.0
 }
 
 /// The weight of emission that an eye path ran into, whose end is `eye`: on a light that is chosen

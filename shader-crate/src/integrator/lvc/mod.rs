@@ -24,12 +24,13 @@ pub mod light_path;
 pub mod light_vertex;
 pub mod mis;
 
-use crate::integrator::path::PathParams;
+use crate::integrator::params::PathParams;
 use crate::memory::device_struct;
+use crate::scene::{SceneParams, TracingParams};
 use mis::TechniqueSamples;
 
 device_struct! {
-    /// What is the same for all paths of a round. 160 bytes.
+    /// What is the same for all paths of a round. 192 bytes.
     pub struct LvcParams {
         /// Light paths to trace, or slots.
         pub threads: u32,
@@ -66,6 +67,12 @@ device_struct! {
 
 /// Connections that a vertex of an eye path may have, at most.
 pub const MAX_CONNECTIONS: u32 = 64;
+
+impl TracingParams for LvcParams {
+    fn scene(&self) -> SceneParams {
+        self.path.scene
+    }
+}
 
 impl LvcParams {
     /// How many samples each technique has.

@@ -29,25 +29,21 @@ pub mod pool;
 use crate::film::Contribution;
 use crate::film::stream::{NO_PIXEL, Slot};
 use crate::glam::UVec4;
-use crate::integrator::path::{
-    Path, PathParams, SampledLight, camera_ray, contribution, numbers_of,
-};
-use crate::integrator::wavefront::pool::{ENDS, Gathered, NO_LIGHT, Pool};
+use crate::integrator::params::PathParams;
+use crate::integrator::path::{Path, SampledLight};
 use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
 use crate::parallel::prefix::BLOCK;
-use crate::scene::bsdf::Material;
-use crate::scene::bvh::BvhView;
-use crate::scene::light::{Light, LightView};
-use crate::scene::triangle::Attributes;
-use crate::scene::{SceneView, surface::SurfaceView};
+use crate::scene::ray::Ray;
+use crate::scene::{SceneParams, SceneView, TracingParams};
+use pool::{ENDS, Gathered, NO_LIGHT, Pool, Queue};
 
 device_struct! {
-    /// The parameters of one iteration. 144 bytes.
+    /// The parameters of one iteration. 176 bytes.
     pub struct WavefrontParams {
         /// Lanes: the size of the pool.
         pub threads: u32,
-        /// Number of the iteration: the element of the queues that is its own.
+        /// Number of the iteration: the queue that is its own.
         pub iteration: u32,
         /// 1 if there are no paths from an iteration before.
         pub is_first: u32,
@@ -58,32 +54,24 @@ device_struct! {
         pub first_slot: u32,
         /// Where slots end.
         pub end_slot: u32,
+        /// Rows of the pool before its first table, see [`Pool::queues`].
+        pub queues: u32,
         /// Unused; zero.
-        pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
+        pub pad: u32,
         /// What is the same for all paths; `threads` is not looked at.
         pub path: PathParams,
     }
 }
 
-device_struct! {
-    /// The lanes of the pool that have a path in an iteration. 16 bytes.
-    pub struct Queue {
-        /// Lanes below this continue a path.
-        pub survivors: u32,
-        /// Lanes below this have a path; those from `survivors` on begin one.
-        pub active: u32,
-        /// The first slot that has not begun, after these.
-        pub next_slot: u32,
-        /// Unused; zero.
-        pub pad: u32,
+impl TracingParams for WavefrontParams {
+    fn scene(&self) -> SceneParams {
+        self.path.scene
     }
 }
 
 impl WavefrontParams {
     fn pool(&self) -> Pool {
-        Pool { lanes: self.threads, iteration: self.iteration }
+        Pool { lanes: self.threads, iteration: self.iteration, queues: self.queues }
     }
 
     /// The paths after an iteration: `offsets` are the numbers of kept lanes before each block of
@@ -93,48 +81,38 @@ impl WavefrontParams {
     }
 
     /// The queue of this iteration, by what was left of the one before.
-    fn queue(&self, offsets: &[u32], queues: &Scatter<'_, Queue>) -> Queue {
+    fn next_queue(&self, offsets: &[u32], rows: &Scatter<'_, UVec4>) -> Queue {
         let (survivors, next_slot) = if self.is_first == 1 {
             (0, self.first_slot)
         } else {
-            (self.survivors(offsets), queues.get(self.iteration - 1).next_slot)
+            (self.survivors(offsets), self.pool().queue_before(rows).next_slot)
         };
         let takes_slots = self.is_first == 1 || self.regenerates == 1;
         let begun =
             if takes_slots { (self.threads - survivors).min(self.end_slot - next_slot) } else { 0 };
-        Queue { survivors, active: survivors + begun, next_slot: next_slot + begun, pad: 0 }
-    }
-}
-
-impl Queue {
-    /// The slot that a lane from `survivors` on begins.
-    fn slot(&self, lane: u32) -> u32 {
-        self.next_slot - (self.active - lane)
+        Queue { survivors, active: survivors + begun, next_slot: next_slot + begun }
     }
 }
 
 /// Kernel: finds what the ray of lane `lane` hits. Lane 0 writes the queue down for the launches to
 /// come.
-#[allow(clippy::too_many_arguments)] // one per binding
 pub fn trace_queue(
     lane: u32,
     params: &WavefrontParams,
+    scene: &SceneView<'_>,
     slots: &[Slot],
-    nodes: &[UVec4],
-    triangles: &[UVec4],
     kept: &[u32],
     offsets: &[u32],
     rows: &mut Scatter<'_, UVec4>,
-    queues: &mut Scatter<'_, Queue>,
 ) {
-    let queue = params.queue(offsets, queues);
+    let queue = params.next_queue(offsets, rows);
+    let pool = params.pool();
     if lane == 0 {
-        queues.set(params.iteration, queue);
+        pool.set_queue(rows, queue);
     }
     if lane >= queue.active {
         return;
     }
-    let pool = params.pool();
     let ray = if lane < queue.survivors {
         pool.segment(rows, at(kept, lane)).0
     } else {
@@ -143,35 +121,29 @@ pub fn trace_queue(
         if slot.rank == NO_PIXEL {
             return;
         }
-        camera_ray(&params.path, slot, &numbers_of(&params.path, slot))
+        params.path.camera_ray(slot, &params.path.numbers(slot))
     };
-    pool.set_hit(rows, lane, &BvhView::new(nodes, triangles).closest_hit(&ray));
+    pool.set_hit(rows, lane, &scene.bvh.closest_hit(&ray));
 }
 
 /// Kernel: what the path of lane `lane` does at the end of its segment. `goes_on` becomes 1 if it
 /// has another one, else 0.
-#[allow(clippy::too_many_arguments)] // one per binding
 pub fn shade_queue(
     lane: u32,
     params: &WavefrontParams,
+    scene: &SceneView<'_>,
     slots: &[Slot],
-    triangles: &[UVec4],
-    attributes: &[Attributes],
-    materials: &[Material],
-    lights: &[Light],
-    texels: &[u32],
     kept: &[u32],
-    queues: &[Queue],
     goes_on: &mut u32,
     rows: &mut Scatter<'_, UVec4>,
     contributions: &mut Scatter<'_, Contribution>,
 ) {
     *goes_on = 0;
-    let queue = at(queues, params.iteration);
+    let pool = params.pool();
+    let queue = pool.queue(rows);
     if lane >= queue.active {
         return;
     }
-    let pool = params.pool();
     let survives = lane < queue.survivors;
     let number = if survives { pool.segment(rows, at(kept, lane)).1 } else { queue.slot(lane) };
     let slot = at(slots, number);
@@ -180,16 +152,13 @@ pub fn shade_queue(
         pool.set_light(rows, lane, number, &SampledLight::none(), false);
         return;
     }
-    let numbers = numbers_of(&params.path, slot);
+    let numbers = params.path.numbers(slot);
     let mut path = if survives {
         pool.path(rows, at(kept, lane))
     } else {
         Path::begin(&params.path, slot, &numbers)
     };
-    let surfaces =
-        SurfaceView::new(triangles, attributes, materials, texels, params.path.offset_roundings);
-    let lights = LightView::new(lights, params.path.lights);
-    let bounce = path.shade(&params.path, &surfaces, &lights, &numbers, &pool.hit(rows, lane));
+    let bounce = path.shade(&params.path, scene, &numbers, &pool.hit(rows, lane));
     pool.set_light(rows, lane, number, &bounce.light, bounce.goes_on);
     if bounce.goes_on {
         *goes_on = 1;
@@ -207,29 +176,26 @@ pub fn shade_queue(
 pub fn shadow_queue(
     lane: u32,
     params: &WavefrontParams,
-    nodes: &[UVec4],
-    triangles: &[UVec4],
-    queues: &[Queue],
+    scene: &SceneView<'_>,
     rows: &mut Scatter<'_, UVec4>,
     contributions: &mut Scatter<'_, Contribution>,
 ) {
-    if lane >= at(queues, params.iteration).active {
+    let pool = params.pool();
+    if lane >= pool.queue(rows).active {
         return;
     }
-    let pool = params.pool();
     let arriving = pool.arriving(rows, lane);
     if arriving.fate == NO_LIGHT {
         return;
     }
     let shadow = pool.shadow(rows, lane);
-    let segment = SampledLight::segment(shadow.origin, shadow.direction);
-    let is_visible = !BvhView::new(nodes, triangles).is_occluded(&segment);
+    let is_visible = !scene.bvh.is_occluded(&Ray::segment(shadow.origin, shadow.direction, 1.0));
     let mut gathered = pool.gathered(rows, lane);
     if is_visible {
         gathered.radiance += arriving.radiance;
     }
     if arriving.fate == ENDS {
-        contributions.set(shadow.slot, contribution(gathered.radiance, gathered.rays));
+        contributions.set(shadow.slot, Contribution::of(gathered.radiance, gathered.rays));
     } else if is_visible {
         pool.set_gathered(rows, lane, gathered);
     }
@@ -237,34 +203,18 @@ pub fn shadow_queue(
 
 /// Kernel: walks the path of lane `lane`, where it has one, to its end, and then those of slots
 /// that have not begun. For what is left after the last iteration.
-#[allow(clippy::too_many_arguments)] // one per binding
 pub fn finish_queue(
     lane: u32,
     params: &WavefrontParams,
+    scene: &SceneView<'_>,
     slots: &[Slot],
-    nodes: &[UVec4],
-    triangles: &[UVec4],
-    attributes: &[Attributes],
-    materials: &[Material],
-    lights: &[Light],
-    texels: &[u32],
     kept: &[u32],
     offsets: &[u32],
-    queues: &[Queue],
     rows: &mut Scatter<'_, UVec4>,
     contributions: &mut Scatter<'_, Contribution>,
 ) {
-    let scene = SceneView::new(
-        nodes,
-        triangles,
-        attributes,
-        materials,
-        texels,
-        params.path.offset_roundings,
-    );
-    let lights = LightView::new(lights, params.path.lights);
     let pool = params.pool();
-    let mut next_slot = at(queues, params.iteration - 1).next_slot + lane;
+    let mut next_slot = pool.queue_before(rows).next_slot + lane;
     let mut survives = lane < params.survivors(offsets);
     while survives || next_slot < params.end_slot {
         let number = if survives { pool.segment(rows, at(kept, lane)).1 } else { next_slot };
@@ -276,14 +226,14 @@ pub fn finish_queue(
             contributions.set(number, Contribution::NOTHING);
             continue;
         }
-        let numbers = numbers_of(&params.path, slot);
+        let numbers = params.path.numbers(slot);
         let mut path = if survives {
             pool.path(rows, at(kept, lane))
         } else {
             Path::begin(&params.path, slot, &numbers)
         };
         survives = false;
-        while path.extend(&params.path, &scene, &lights, &numbers) {}
+        while path.extend(&params.path, scene, &numbers) {}
         contributions.set(number, path.contribution());
     }
 }

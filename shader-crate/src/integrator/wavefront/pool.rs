@@ -87,6 +87,34 @@ const SHADOW: u32 = ARRIVING + Arriving::ROWS;
 /// Rows of 16 bytes that a pool has for each lane.
 pub const POOL_ROWS: u32 = SHADOW + Shadow::ROWS;
 
+/// The lanes of the pool that have a path in an iteration.
+#[derive(Clone, Copy)]
+pub struct Queue {
+    /// Lanes below this continue a path.
+    pub survivors: u32,
+    /// Lanes below this have a path; those from `survivors` on begin one.
+    pub active: u32,
+    /// The first slot that has not begun, after these.
+    pub next_slot: u32,
+}
+
+impl Queue {
+    /// The slot that a lane from `survivors` on begins.
+    pub fn slot(&self, lane: u32) -> u32 {
+        self.next_slot - (self.active - lane)
+    }
+
+    /// The queue in a row.
+    pub fn from_row(row: UVec4) -> Self {
+        Self { survivors: row.x, active: row.y, next_slot: row.z }
+    }
+
+    /// The row of a queue.
+    pub fn to_row(self) -> UVec4 {
+        UVec4::new(self.survivors, self.active, self.next_slot, 0)
+    }
+}
+
 /// The layout of the pool in an iteration. Functions take the buffer of its rows.
 #[derive(Clone, Copy)]
 pub struct Pool {
@@ -94,6 +122,8 @@ pub struct Pool {
     pub lanes: u32,
     /// Number of the iteration.
     pub iteration: u32,
+    /// Rows before the first table: the queue of each iteration.
+    pub queues: u32,
 }
 
 impl Pool {
@@ -109,7 +139,22 @@ impl Pool {
 
     fn place(&self, row: u32, lane: u32, half: u32) -> Place {
         let row = if row < HALF { row + half * HALF } else { row };
-        Place { first: row * self.lanes + lane, stride: self.lanes }
+        Place { first: self.queues + row * self.lanes + lane, stride: self.lanes }
+    }
+
+    /// The queue of this iteration.
+    pub fn queue(&self, rows: &Scatter<'_, UVec4>) -> Queue {
+        Queue::from_row(rows.get(self.iteration))
+    }
+
+    /// The queue of the iteration before.
+    pub fn queue_before(&self, rows: &Scatter<'_, UVec4>) -> Queue {
+        Queue::from_row(rows.get(self.iteration - 1))
+    }
+
+    /// Replaces the queue of this iteration.
+    pub fn set_queue(&self, rows: &mut Scatter<'_, UVec4>, queue: Queue) {
+        rows.set(self.iteration, queue.to_row());
     }
 
     /// The next segment of the path that lane `lane` wrote in the iteration before, and the number

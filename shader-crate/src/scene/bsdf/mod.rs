@@ -1,25 +1,46 @@
-//! Materials, and the choice of a direction by them.
+//! Materials, and what they do with light: BSDFs.
+//!
+//! A [`Bsdf`] is a material at one point of a surface. Integrators know it by [`Bsdf::eval`],
+//! [`Bsdf::pdf`], [`Bsdf::sample`] and [`Bsdf::is_delta`] alone, and never ask which kind it is. A
+//! new kind is a file beside this one and an arm in each `match` here.
+//!
+//! Directions: `incoming` points along the path towards the surface, as the ray that hit it does;
+//! `direction` points away from the surface, where the path goes on. Both have unit length.
 
-use crate::glam::Vec3;
-use crate::math::sample_cosine_hemisphere;
+mod dielectric;
+pub mod diffuse;
+mod mirror;
+
+use crate::glam::{UVec4, Vec3};
 use crate::memory::device_struct;
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
+use crate::memory::rows::{float, vector};
+use dielectric::Dielectric;
 
-/// [`Material::kind`]: Lambert's law, both sides; may emit on the front.
-pub const DIFFUSE: u32 = 0;
-/// [`Material::kind`]: ideal mirror, both sides, without a Fresnel term.
-pub const MIRROR: u32 = 1;
-/// [`Material::kind`]: smooth boundary between vacuum (front) and a medium of index `ior` (back).
-pub const DIELECTRIC: u32 = 2;
+/// Which BSDF a material has.
+#[cfg_attr(
+    not(target_arch = "spirv"),
+    derive(Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)
+)]
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+pub struct MaterialKind(pub u32);
+
+impl MaterialKind {
+    /// Lambert's law, both sides; may emit on the front.
+    pub const DIFFUSE: Self = Self(0);
+    /// Ideal mirror, both sides, without a Fresnel term.
+    pub const MIRROR: Self = Self(1);
+    /// Smooth boundary between vacuum (front) and a medium of index `ior` (back).
+    pub const DIELECTRIC: Self = Self(2);
+}
 
 device_struct! {
     /// One material. 48 bytes.
     pub struct Material {
         /// Reflectance, linear Rec.709 in [0, 1]; a texture replaces it.
         pub reflectance: Vec3,
-        /// [`DIFFUSE`], [`MIRROR`] or [`DIELECTRIC`].
-        pub kind: u32,
+        /// Which BSDF it has.
+        pub kind: MaterialKind,
         /// Radiance that the front emits, linear Rec.709; zero for most.
         pub emission: Vec3,
         /// Index of the reflectance's texture, or [`crate::scene::texture::NO_TEXTURE`].
@@ -32,78 +53,119 @@ device_struct! {
 }
 
 impl Material {
+    /// Rows of one.
+    pub const ROWS: u32 = 3;
+
+    /// Unpacks the three rows, which are the struct's memory.
+    pub fn from_rows(rows: [UVec4; 3]) -> Self {
+        Self {
+            reflectance: vector(rows[0]),
+            kind: MaterialKind(rows[0].w),
+            emission: vector(rows[1]),
+            texture: rows[1].w,
+            transmittance: vector(rows[2]),
+            ior: float(rows[2]),
+        }
+    }
+
+    /// The material at a point with this shading `normal`, which is on the side that the path came
+    /// from: `from_outside` says whether that is the front.
+    pub fn bsdf(&self, normal: Vec3, from_outside: bool) -> Bsdf {
+        Bsdf {
+            kind: self.kind,
+            normal,
+            from_outside,
+            reflectance: self.reflectance,
+            transmittance: self.transmittance,
+            ior: self.ior,
+        }
+    }
+
     /// Whether the front emits.
     pub fn emits(&self) -> bool {
         self.emission.max_element() > 0.0
     }
 }
 
-/// A direction chosen by a BSDF.
+/// A direction, and what a BSDF says of it.
 #[derive(Clone, Copy)]
 pub struct BsdfSample {
     /// Where the path goes on; unit length.
     pub direction: Vec3,
-    /// BSDF times cosine over density, by component: what the throughput is multiplied by.
+    /// BSDF times cosine over density, by component: what a sampled path's throughput is multiplied
+    /// by. A narrow lobe's BSDF and density may both overflow; their ratio does not.
     pub weight: Vec3,
     /// Density of the direction per solid angle; 0 stands for a delta distribution.
     pub pdf: f32,
+    /// Index of refraction on the side of the light's arrival over that on the path's side: 1 where
+    /// the path does not cross the surface. Radiance that crosses is scaled by `1 / eta^2` (Veach
+    /// 1997, section 5.2.2), which `weight` contains.
+    pub eta: f32,
 }
 
-/// Lambert's density of `direction` per solid angle about `normal`, and at the same time BSDF times
-/// cosine of a reflectance of 1.
-pub fn diffuse_pdf(normal: Vec3, direction: Vec3) -> f32 {
-    normal.dot(direction).max(0.0) * core::f32::consts::FRAC_1_PI
-}
-
-/// Samples Lambert's BSDF about the shading `normal`, which is on the side that the path came from.
-pub fn sample_diffuse(reflectance: Vec3, normal: Vec3, u: [f32; 2]) -> BsdfSample {
-    let direction = sample_cosine_hemisphere(normal, u);
-    // At the horizon the cosine rounds to 0, which would stand for a delta distribution.
-    BsdfSample {
-        direction,
-        weight: reflectance,
-        pdf: diffuse_pdf(normal, direction).max(f32::MIN_POSITIVE),
+impl BsdfSample {
+    /// Whether it is of a delta distribution and crosses the surface, of which this is the shading
+    /// normal.
+    pub fn is_transmitted(&self, normal: Vec3) -> bool {
+        self.pdf == 0.0 && self.direction.dot(normal) < 0.0
     }
 }
 
-/// Reflects the unit vector `incoming` at the shading `normal`.
-pub fn sample_mirror(reflectance: Vec3, normal: Vec3, incoming: Vec3) -> BsdfSample {
-    BsdfSample { direction: incoming.reflect(normal).normalize(), weight: reflectance, pdf: 0.0 }
+/// A material at a point of a surface.
+#[derive(Clone, Copy)]
+pub struct Bsdf {
+    /// Which one.
+    pub kind: MaterialKind,
+    /// Shading normal, unit length, on the side of the shading frame that the path came from.
+    pub normal: Vec3,
+    /// Whether the path came from the front of the shading frame (outside, for a dielectric).
+    pub from_outside: bool,
+    /// Reflectance, looked up in its texture, linear Rec.709 in [0, 1].
+    pub reflectance: Vec3,
+    /// See [`Material::transmittance`].
+    pub transmittance: Vec3,
+    /// See [`Material::ior`].
+    pub ior: f32,
 }
 
-/// Reflects or refracts the unit vector `incoming` at a boundary, with Fresnel's probabilities.
-///
-/// `normal` is the shading normal on the side that the path came from, `from_outside` says which
-/// side that is, `u` picks the lobe. Radiance that crosses is scaled by the squared ratio of the
-/// indices (Veach 1997, section 5.2.2).
-pub fn sample_dielectric(
-    material: &Material,
-    normal: Vec3,
-    from_outside: bool,
-    incoming: Vec3,
-    u: f32,
-) -> BsdfSample {
-    // Index on the side of the light's arrival over that of the path's.
-    let eta = if from_outside { material.ior } else { 1.0 / material.ior };
-    let cos_i = (-incoming.dot(normal)).clamp(0.0, 1.0);
-    let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
-    let cos_t = (1.0 - sin2_t).max(0.0).sqrt();
-    let reflected = if sin2_t >= 1.0 { 1.0 } else { fresnel(cos_i, cos_t, eta) };
-    if u < reflected {
-        sample_mirror(material.reflectance, normal, incoming)
-    } else {
+impl Bsdf {
+    /// Whether all of it is delta distributions: no direction but a sampled one carries any light,
+    /// so that looking for lights from here is in vain.
+    pub fn is_delta(&self) -> bool {
+        self.kind.0 != MaterialKind::DIFFUSE.0
+    }
+
+    /// What it says of a given `direction`. Density 0: no light comes from there. Delta
+    /// distributions are left out.
+    #[inline(always)]
+    pub fn eval(&self, incoming: Vec3, direction: Vec3) -> BsdfSample {
         BsdfSample {
-            direction: (incoming / eta + normal * (cos_i / eta - cos_t)).normalize(),
-            weight: material.transmittance / (eta * eta),
-            pdf: 0.0,
+            direction,
+            weight: self.reflectance,
+            pdf: self.pdf(incoming, direction),
+            eta: 1.0,
         }
     }
-}
 
-/// Fresnel's reflectance of unpolarised light, from the cosines on both sides and the ratio of the
-/// indices.
-fn fresnel(cos_i: f32, cos_t: f32, eta: f32) -> f32 {
-    let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    0.5 * (parallel * parallel + perpendicular * perpendicular)
+    /// The density, per solid angle, with which [`Self::sample`] picks `direction`; delta
+    /// distributions are left out.
+    #[inline(always)]
+    pub fn pdf(&self, _incoming: Vec3, direction: Vec3) -> f32 {
+        if self.is_delta() { 0.0 } else { diffuse::pdf(self.normal, direction) }
+    }
+
+    /// The direction in which a path goes on, from uniform numbers in [0, 1) for the direction
+    /// (`u`) and for the choice of the lobe.
+    pub fn sample(&self, incoming: Vec3, u: [f32; 2], lobe: f32) -> BsdfSample {
+        match self.kind {
+            MaterialKind(0) => diffuse::sample(self.reflectance, self.normal, u),
+            MaterialKind(2) => Dielectric {
+                ior: self.ior,
+                reflectance: self.reflectance,
+                transmittance: self.transmittance,
+            }
+            .sample(self.normal, self.from_outside, incoming, lobe),
+            _ => mirror::sample(self.reflectance, self.normal, incoming),
+        }
+    }
 }

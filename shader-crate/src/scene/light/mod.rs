@@ -1,11 +1,13 @@
 //! Emissive triangles, chosen by power.
 
-use crate::glam::Vec3;
+use crate::glam::{UVec4, Vec3};
 use crate::math::triangle_normal;
 use crate::math::wide::{Wide, multiply};
-use crate::memory::access::at;
 use crate::memory::device_struct;
+use crate::memory::rows::{float, four_rows, vector};
 use crate::scene::ray::SurfacePoint;
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float as _;
 
 device_struct! {
     /// One emissive triangle, and one column of the alias table that chooses among them. 64 bytes.
@@ -28,6 +30,25 @@ device_struct! {
         pub radiance: Vec3,
         /// Unused; zero.
         pub pad: u32,
+    }
+}
+
+impl Light {
+    /// Rows of one.
+    pub const ROWS: u32 = 4;
+
+    /// Unpacks the four rows, which are the struct's memory.
+    pub fn from_rows(rows: [UVec4; 4]) -> Self {
+        Self {
+            corner: vector(rows[0]),
+            threshold: rows[0].w,
+            edge1: vector(rows[1]),
+            alias: rows[1].w,
+            edge2: vector(rows[2]),
+            pdf: float(rows[2]),
+            radiance: vector(rows[3]),
+            pad: rows[3].w,
+        }
     }
 }
 
@@ -71,36 +92,72 @@ impl LightPoint {
     }
 }
 
+/// The choice of a light that shines on a point.
+#[derive(Clone, Copy)]
+pub struct LightSample {
+    /// From the point to the light, unit length.
+    pub direction: Vec3,
+    /// How far it is, in world units.
+    pub distance: f32,
+    /// What the light sends back along the direction, linear Rec.709.
+    pub radiance: Vec3,
+    /// Density of the direction per solid angle, choice of the light included; 0 if the light does
+    /// not shine on the point.
+    pub pdf: f32,
+    /// Whether no other technique than choosing lights can find this one.
+    pub is_delta: bool,
+    /// Density of the light's point per area in world units, choice included.
+    pub area_pdf: f32,
+    /// Cosine between the direction back and the light's normal.
+    pub cosine: f32,
+    /// Where a ray that tests the visibility ends: off the light's surface.
+    pub end: Vec3,
+}
+
 /// The lights of a scene.
 #[derive(Clone, Copy)]
 pub struct LightView<'a> {
-    lights: &'a [Light],
-    count: u32,
+    /// The scene's buffer `surfaces`, see [`crate::scene`].
+    pub rows: &'a [UVec4],
+    /// Row of the first light.
+    pub first: u32,
+    /// How many there are.
+    pub count: u32,
+    /// See [`crate::scene::SceneParams::total_importance`].
+    pub total_importance: f32,
+    /// See [`crate::scene::SceneParams::offset_roundings`].
+    pub offset_roundings: f32,
 }
 
-impl<'a> LightView<'a> {
-    /// Wraps the buffer, whose first `count` elements are lights.
-    pub fn new(lights: &'a [Light], count: u32) -> Self {
-        Self { lights, count }
-    }
-
+impl LightView<'_> {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
+    /// The light number `index`.
+    pub fn light(&self, index: u32) -> Light {
+        Light::from_rows(four_rows(self.rows, self.first + index * Light::ROWS))
+    }
+
     /// A light, chosen by power with 32 random `bits`: Walker's alias method in integers.
     pub fn choose(&self, bits: u32) -> u32 {
         let Wide { high: column, low: fraction } = multiply(bits, self.count);
-        let light = at(self.lights, column);
+        let light = self.light(column);
         if fraction >> 8 < light.threshold { column } else { light.alias }
+    }
+
+    /// A uniform point of a light that is chosen by 32 random `bits`, from a uniform point of the
+    /// unit square.
+    pub fn point(&self, bits: u32, u: [f32; 2]) -> LightPoint {
+        self.point_on(self.choose(bits), u)
     }
 
     /// A uniform point of the light number `index`, from a uniform point of the unit square.
     ///
     /// Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
-    pub fn sample(&self, index: u32, u: [f32; 2]) -> LightPoint {
-        let light = at(self.lights, index);
+    pub fn point_on(&self, index: u32, u: [f32; 2]) -> LightPoint {
+        let light = self.light(index);
         let (a, b) = if u[1] > u[0] {
             let a = 0.5 * u[0];
             (a, u[1] - a)
@@ -115,5 +172,41 @@ impl<'a> LightView<'a> {
             pdf: light.pdf,
             magnitude: (light.corner.abs() + light.edge1.abs() + light.edge2.abs()).max_element(),
         }
+    }
+
+    /// A light for the point `from`, by 32 random `bits` for the light and a uniform point of the
+    /// unit square for the point on it.
+    #[inline(always)]
+    pub fn sample(&self, from: &SurfacePoint, bits: u32, u: [f32; 2]) -> LightSample {
+        let light = self.point(bits, u);
+        let offset = light.position - from.position;
+        let distance2 = offset.length_squared();
+        let direction = offset.normalize();
+        let cosine = -direction.dot(light.normal);
+        let shines = cosine > 0.0 && distance2 > 0.0;
+        // The light's rounding errors are those of what is near it, at least.
+        let magnitude = light.position.abs().max_element().max(from.magnitude);
+        let end = SurfacePoint { magnitude, ..light.point(self.offset_roundings) };
+        LightSample {
+            direction,
+            distance: distance2.sqrt(),
+            radiance: light.radiance,
+            pdf: if shines { light.pdf * distance2 / cosine } else { 0.0 },
+            is_delta: false,
+            area_pdf: light.pdf,
+            cosine,
+            end: end.offset_towards(light.normal),
+        }
+    }
+
+    /// The density per area of a point on a light of this `emission`.
+    pub fn area_pdf(&self, emission: Vec3) -> f32 {
+        area_pdf(emission, self.total_importance)
+    }
+
+    /// The density per solid angle with which [`Self::sample`] picks the direction to a light of
+    /// this `emission` that was hit at `distance`, under this `cosine` to its normal.
+    pub fn pdf_of_hit(&self, emission: Vec3, distance: f32, cosine: f32) -> f32 {
+        self.area_pdf(emission) * distance * distance / cosine
     }
 }

@@ -1,0 +1,70 @@
+//! Launches: a kernel, its parameters, and the parts of buffers that it works on.
+
+use super::kernels::Kernel;
+use bytemuck::Pod;
+use std::marker::PhantomData;
+
+/// A part of a buffer, as a launch holds it.
+#[derive(Debug)]
+pub struct RawView<'a, B> {
+    pub(super) buffer: &'a B,
+    pub(super) first_byte: u64,
+    pub(super) bytes: u64,
+}
+
+/// Elements of `T` in a part of a buffer, as a kernel is given them.
+pub struct View<'a, B, T> {
+    raw: RawView<'a, B>,
+    element: PhantomData<T>,
+}
+
+impl<'a, B, T: Pod> View<'a, B, T> {
+    /// `len` elements of `buffer` from number `first` on.
+    pub(super) fn new(buffer: &'a B, first: usize, len: usize) -> Self {
+        let size = size_of::<T>() as u64;
+        let raw = RawView { buffer, first_byte: first as u64 * size, bytes: len as u64 * size };
+        Self { raw, element: PhantomData }
+    }
+
+    /// The same bytes as elements of another type, for a kernel that reads them in another way.
+    pub fn cast<U: Pod>(self) -> View<'a, B, U> {
+        View { raw: self.raw, element: PhantomData }
+    }
+
+    /// The part of the buffer.
+    pub fn raw(self) -> RawView<'a, B> {
+        self.raw
+    }
+}
+
+/// One run of a kernel. The functions of [`kernels`](super::kernels) make them.
+pub struct Launch<'a, B> {
+    pub(super) kernel: &'static Kernel,
+    pub(super) parameters: Vec<u8>,
+    pub(super) views: Vec<RawView<'a, B>>,
+}
+
+impl<'a, B> Launch<'a, B> {
+    /// The run of `kernel` with its `parameters` and, in the order of the table, its other
+    /// bindings.
+    ///
+    /// Every parameter block begins with the number of threads, as u32.
+    pub(super) fn new(
+        kernel: &'static Kernel,
+        parameters: &impl bytemuck::NoUninit,
+        views: Vec<RawView<'a, B>>,
+    ) -> Self {
+        debug_assert_eq!(views.len() + 1, kernel.bindings.len(), "bindings of {}", kernel.name);
+        Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views }
+    }
+
+    /// The kernel.
+    pub fn kernel(&self) -> &'static Kernel {
+        self.kernel
+    }
+
+    /// Lanes, before they are rounded up to whole workgroups.
+    pub fn threads(&self) -> u32 {
+        bytemuck::pod_read_unaligned(&self.parameters[..4])
+    }
+}

@@ -1,0 +1,37 @@
+//! The buffers of a scene, as kernels bind them.
+
+use super::{Array, ExecError, Executor, RawView};
+use glam::UVec4;
+
+/// What a row `with scene` of the [table of kernels](raystream_shaders::kernels) binds, in the order
+/// of [`raystream_shaders::scene::SceneView::new`]. [`raystream_shaders::scene`] says what they
+/// hold.
+pub struct SceneBuffers<B> {
+    geometry: Array<B, UVec4>,
+    surfaces: Array<B, UVec4>,
+    texels: Array<B, u32>,
+}
+
+impl<B> SceneBuffers<B> {
+    /// The names of the bindings.
+    pub const NAMES: [&'static str; 3] = ["geometry", "surfaces", "texels"];
+
+    /// Copies the buffers to the device.
+    pub fn new<E: Executor<Buffer = B>>(
+        executor: &E,
+        geometry: &[UVec4],
+        surfaces: &[UVec4],
+        texels: &[u32],
+    ) -> Result<Self, ExecError> {
+        Ok(Self {
+            geometry: Array::from_slice(executor, "the scene's geometry", geometry)?,
+            surfaces: Array::from_slice(executor, "the scene's surfaces", surfaces)?,
+            texels: Array::from_slice(executor, "the scene's textures", texels)?,
+        })
+    }
+
+    /// All of them, for a kernel.
+    pub fn views(&self) -> [RawView<'_, B>; 3] {
+        [self.geometry.view().raw(), self.surfaces.view().raw(), self.texels.view().raw()]
+    }
+}

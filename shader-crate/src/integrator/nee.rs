@@ -1,0 +1,56 @@
+//! Next-event estimation: the light that a sampled point of a light sends to a surface.
+//!
+//! Whoever asks weighs it against the other techniques that could have found the same light.
+
+use crate::glam::Vec3;
+use crate::scene::light::{LightSample, LightView};
+use crate::scene::ray::Ray;
+use crate::scene::surface::Surface;
+
+/// Light from a sampled point, not yet known to be visible.
+#[derive(Clone, Copy)]
+pub struct NextEvent {
+    /// The light.
+    pub light: LightSample,
+    /// Density per solid angle with which the BSDF would have picked the direction to it; 0 where
+    /// the light does not reach the surface.
+    pub bsdf_pdf: f32,
+    /// What it adds to a path of throughput 1 if nothing occludes it and no other technique finds
+    /// it.
+    pub radiance: Vec3,
+}
+
+impl NextEvent {
+    /// Samples a light for `surface`, by 32 random bits for the `choice` of the light and a uniform
+    /// `point` of the unit square. The path arrived along `incoming`.
+    #[inline(always)]
+    pub fn sample(
+        lights: &LightView<'_>,
+        surface: &Surface,
+        incoming: Vec3,
+        choice: u32,
+        point: [f32; 2],
+    ) -> Self {
+        let light = lights.sample(&surface.point, choice, point);
+        let bsdf = surface.bsdf.eval(incoming, light.direction);
+        let reaches = light.pdf > 0.0 && bsdf.pdf > 0.0;
+        Self {
+            light,
+            bsdf_pdf: if reaches { bsdf.pdf } else { 0.0 },
+            radiance: bsdf.weight * light.radiance * (bsdf.pdf / light.pdf),
+        }
+    }
+
+    /// Whether the light reaches the surface unless something is in its way.
+    pub fn is_some(&self) -> bool {
+        self.bsdf_pdf > 0.0
+    }
+
+    /// The segment whose visibility is to be tested. Both ends leave their surfaces, so that
+    /// neither occludes itself.
+    #[inline(always)]
+    pub fn segment(&self, surface: &Surface) -> Ray {
+        let from = surface.point.offset_towards(self.light.direction);
+        Ray::segment(from, self.light.end - from, 1.0)
+    }
+}

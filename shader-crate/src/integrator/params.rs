@@ -1,0 +1,83 @@
+//! What is the same for all paths of a render, and how a path begins.
+
+use crate::film::stream::Slot;
+use crate::film::tiles::pixel_of_rank;
+use crate::glam::Vec3;
+use crate::math::random::{PIXEL, RandomNumbers, unit_float};
+use crate::memory::device_struct;
+use crate::scene::camera::Camera;
+use crate::scene::ray::Ray;
+use crate::scene::{SceneParams, TracingParams};
+
+/// [`PathParams::techniques`]: weigh next-event estimation and BSDF sampling by the power
+/// heuristic.
+pub const BOTH_TECHNIQUES: u32 = 0;
+/// [`PathParams::techniques`]: lights are found by next-event estimation alone, where that is
+/// possible.
+pub const LIGHT_SAMPLING_ALONE: u32 = 1;
+/// [`PathParams::techniques`]: lights are found by BSDF sampling alone.
+pub const BSDF_SAMPLING_ALONE: u32 = 2;
+
+device_struct! {
+    /// What is the same for all paths of a render. 144 bytes.
+    pub struct PathParams {
+        /// Slots to trace.
+        pub threads: u32,
+        /// Seed of the render.
+        pub seed: u32,
+        /// [`crate::math::random::SOBOL`] or [`crate::math::random::INDEPENDENT`].
+        pub sampler: u32,
+        /// Longest path in segments: 1 sees only what emits, 2 direct light as well. At least 1.
+        pub max_depth: u32,
+        /// First segment count after which roulette may end a path; above `max_depth` for no
+        /// roulette.
+        pub roulette_depth: u32,
+        /// [`BOTH_TECHNIQUES`] unless a test wants one alone.
+        pub techniques: u32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// The camera.
+        pub camera: Camera,
+        /// The scene.
+        pub scene: SceneParams,
+    }
+}
+
+impl TracingParams for PathParams {
+    fn scene(&self) -> SceneParams {
+        self.scene
+    }
+}
+
+impl PathParams {
+    /// The random numbers of the path of a slot that is not empty.
+    pub fn numbers(&self, slot: Slot) -> RandomNumbers {
+        let (x, y) = pixel_of_rank(slot.rank, self.camera.width, self.camera.height);
+        let pixel = y * self.camera.width + x;
+        RandomNumbers::new(self.sampler, self.seed, pixel, slot.sample)
+    }
+
+    /// The first segment of the path of a slot that is not empty.
+    pub fn camera_ray(&self, slot: Slot, numbers: &RandomNumbers) -> Ray {
+        let (x, y) = pixel_of_rank(slot.rank, self.camera.width, self.camera.height);
+        self.camera.ray(x, y, numbers.pair(PIXEL))
+    }
+
+    /// Whether a path goes on after segment number `segment`: not if nothing is left of its
+    /// throughput, and from `roulette_depth` on by chance, decided by 32 `random` bits. The
+    /// throughput of survivors is divided by their probability of survival.
+    #[inline(always)]
+    pub fn survives(&self, segment: u32, random: u32, throughput: &mut Vec3) -> bool {
+        if segment >= self.roulette_depth {
+            let survival = throughput.max_element().min(0.95);
+            if unit_float(random) >= survival {
+                return false;
+            }
+            *throughput /= survival;
+        }
+        let is_spent = throughput.max_element() <= 0.0;
+        !is_spent
+    }
+}
