@@ -6,12 +6,12 @@ mod common;
 use bytemuck::Zeroable;
 use common::statistics::assert_same_expectation;
 use common::{prepare, render, render_on, scenes, settings, with_gpu};
-use glam::{UVec4, Vec3};
-use raystream::bench::rays::same_distance;
+use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
-use raystream::exec::{Array, ExecError, Executor, Launch, kernels};
+use raystream::exec::{Array, ExecError, Executor, kernels};
 use raystream::render::{PreparedScene, Settings};
 use raystream::scene::{FilmSize, load_named};
+use raystream_bench::rays::same_distance;
 use raystream_shaders::film::FilmPixel;
 use raystream_shaders::film::accumulate::CountParams;
 use raystream_shaders::film::stream::{NO_PIXEL, RunWindow, Slot};
@@ -179,7 +179,7 @@ fn axis_parallel_rays_hit_the_same() {
     }
     let (found, _) = hits(&CpuExecutor, &prepared, &rays).unwrap();
     for (ray, hit) in rays.iter().zip(&found) {
-        let expected = raystream::bench::rays::brute_force(&prepared, ray);
+        let expected = raystream_bench::rays::brute_force(&prepared, ray);
         assert!(expected.is_some(), "the room is closed");
         assert!(
             hit.is_some() && same_distance(hit.t, expected.t),
@@ -240,6 +240,6 @@ fn too_large_a_buffer_is_an_error() {
     with_gpu(|gpu| {
         let limit = gpu.limits().buffer_bytes;
         let error = gpu.allocate("a test", limit + 4).expect_err("too large").to_string();
-        assert!(error.contains("a test") && error.contains("--device cpu"), "{error}");
+        assert!(error.contains("a test") && error.contains("use the CPU"), "{error}");
     });
 }

@@ -6,10 +6,10 @@
 //! [`raystream_shaders`].
 #![deny(missing_docs)]
 
-pub mod bench;
-pub mod cli;
+pub mod color;
 pub mod exec;
 pub mod film;
 pub mod image;
+pub mod names;
 pub mod render;
 pub mod scene;

@@ -18,7 +18,7 @@ fn mean_radiance(film: &Film) -> f32 {
     film.color().iter().map(|c| c.element_sum()).sum::<f32>() / (3 * film.radiance.len()) as f32
 }
 
-/// Root mean relative squared error, as [`raystream::render::estimation::Noise`] has it, but true.
+/// Root mean relative squared error, as [`raystream::render::estimator::Noise`] has it, but true.
 fn true_error(film: &Film, reference: &Film) -> f64 {
     let mean = mean_radiance(reference);
     let pixels = film.color().into_iter().zip(reference.color());

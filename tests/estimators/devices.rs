@@ -5,7 +5,7 @@ use super::walls::{Estimates, absolute, estimate_on};
 use raystream::exec::Executor;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::film::Film;
-use raystream::render::estimation::ComingRound;
+use raystream::render::estimator::ComingRound;
 use raystream::render::{EstimationSettings, Estimator, Sampling};
 use raystream::scene::FilmSize;
 use raystream_shaders::scene::camera::Camera;

@@ -4,7 +4,7 @@ use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{ExecError, Executor};
 use raystream::film::Film;
-use raystream::render::estimation::{ComingRound, Estimation, Noise};
+use raystream::render::estimator::{ComingRound, Estimation, Noise};
 use raystream::render::{AllocatorKind, EstimationSettings, Estimator, FilmBuffers, Sampling};
 use raystream::scene::FilmSize;
 use raystream_shaders::estimator::Estimate;

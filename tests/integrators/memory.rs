@@ -2,7 +2,6 @@
 //! that keeps accounts and computes nothing.
 
 use super::common::{large_scenes, prepare, settings};
-use clap::ValueEnum as _;
 use raystream::exec::{ExecError, Executor, Launch, Limits};
 use raystream::render::integrator::wavefront::Wavefront;
 use raystream::render::{AllocatorKind, IntegratorKind, Renderer, Sampling, Settings};
@@ -85,7 +84,7 @@ fn a_large_picture_fits_4_gib() {
     }
     for scene in scenes {
         let (name, prepared) = (scene.name.clone(), prepare(&scene));
-        for &integrator in IntegratorKind::value_variants() {
+        for &integrator in IntegratorKind::ALL {
             for allocator in [
                 AllocatorKind::Uniform,
                 AllocatorKind::Paper,

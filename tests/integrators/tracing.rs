@@ -8,7 +8,7 @@ use raystream::render::integrator::megakernel::Megakernel;
 use raystream::render::integrator::regeneration::Regeneration;
 use raystream::render::integrator::wavefront::Wavefront;
 use raystream::render::integrator::{Integrator, StreamBuffers};
-use raystream::render::{IntegratorKind, PreparedScene, SceneBuffers, Settings};
+use raystream::render::{IntegratorKind, PreparedScene, Settings};
 use raystream::scene::{FilmSize, Scene};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::{NO_PIXEL, Slot};
@@ -67,7 +67,7 @@ impl Case {
         integrator: &dyn Integrator<E>,
         part: Range<u32>,
     ) -> (Vec<Contribution>, Vec<u32>) {
-        let scene = SceneBuffers::new(executor, &self.scene).unwrap();
+        let scene = self.scene.buffers(executor).unwrap();
         let slots = Array::from_slice(executor, "slots", &self.slots).unwrap();
         // Old contributions are lying about.
         let old = Contribution { rays: 77, ..Contribution::zeroed() };

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The kernels, compiled by `cargo shaders`.
-pub(crate) static SPIRV: &[u8] = include_bytes!("../../shaders/kernels.spv");
+pub static SPIRV: &[u8] = include_bytes!("../../shaders/kernels.spv");
 
 /// Bytes that are copied between host and device at once.
 const TRANSFER_BYTES: u64 = 64 << 20;

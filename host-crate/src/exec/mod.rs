@@ -5,6 +5,7 @@
 //! points through wgpu. Everything above this module is generic over the trait and exists once.
 
 pub mod array;
+mod counter;
 pub mod counting;
 pub mod cpu;
 pub mod device;
@@ -17,6 +18,7 @@ mod scene_buffers;
 use std::time::Duration;
 
 pub use array::Array;
+pub use counter::Counter;
 pub use counting::Counting;
 pub use kernels::{Access, Binding, Kernel};
 pub use launch::{Launch, RawView, View};
@@ -102,7 +104,7 @@ pub fn halve_until_it_fits<T>(
 #[derive(Debug, thiserror::Error)]
 pub enum ExecError {
     /// A name that fits no device.
-    #[error("no device matches '{name}'; there are: {known} (`raystream devices` lists them)")]
+    #[error("no device matches '{name}'; there are: {known}")]
     NoSuchDevice {
         /// What was asked for.
         name: String,
@@ -111,11 +113,11 @@ pub enum ExecError {
     },
     /// Asked for a GPU where there is none.
     #[error(
-        "there is no GPU that Vulkan, Metal or DirectX 12 can use; install its driver or use --device cpu"
+        "there is no GPU that Vulkan, Metal or DirectX 12 can use; install its driver or use the CPU"
     )]
     NoGpu,
     /// The device lacks something that the kernels need.
-    #[error("{device} cannot run the kernels: {reason}; use --device cpu")]
+    #[error("{device} cannot run the kernels: {reason}; use the CPU")]
     Unsuitable {
         /// The device.
         device: String,
@@ -124,7 +126,7 @@ pub enum ExecError {
     },
     /// A buffer does not fit.
     #[error(
-        "{device} has no room for {bytes} bytes of {label}; use a smaller picture or scene, close other programs, or choose another device (`raystream devices` lists them)"
+        "{device} has no room for {bytes} bytes of {label}; use a smaller picture or scene, close other programs, or choose another device"
     )]
     OutOfMemory {
         /// The device.
@@ -136,7 +138,7 @@ pub enum ExecError {
     },
     /// A buffer is larger than a kernel can be given.
     #[error(
-        "{device} gives a kernel at most {limit} bytes at once, but {label} takes {bytes}; use --device cpu"
+        "{device} gives a kernel at most {limit} bytes at once, but {label} takes {bytes}; use the CPU"
     )]
     TooLarge {
         /// The device.
@@ -149,7 +151,7 @@ pub enum ExecError {
         limit: u64,
     },
     /// The driver reported an error or lost the device.
-    #[error("{device} failed: {message}; update its driver or use --device cpu")]
+    #[error("{device} failed: {message}; update its driver or use the CPU")]
     Device {
         /// The device.
         device: String,

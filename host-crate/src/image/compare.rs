@@ -113,7 +113,7 @@ pub fn compare(
 
 /// The mean of `values` without the largest share `trim` of them, at least one being kept; 0 if
 /// there are none. Sorts them.
-pub(crate) fn trimmed_mean(values: &mut [f64], trim: f64) -> f64 {
+pub fn trimmed_mean(values: &mut [f64], trim: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let kept = (values.len() as f64 * (1.0 - trim)).round_ties_even() as usize;
     let kept = &values[..kept.clamp(values.len().min(1), values.len())];

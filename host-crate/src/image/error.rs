@@ -133,19 +133,6 @@ pub enum ImageError {
         /// The key.
         key: String,
     },
-    /// Colours cannot span a range.
-    #[error(
-        "{}: the colours cannot go from {low} to {high}; give two finite numbers, the smaller first",
-        path.display()
-    )]
-    ColorRange {
-        /// The picture.
-        path: PathBuf,
-        /// The number at the low end.
-        low: f32,
-        /// The number at the high end.
-        high: f32,
-    },
     /// The encoder refuses the picture.
     #[error("{}: cannot be stored as {format}: {reason}; choose another format or size", path.display())]
     Encode {
@@ -170,8 +157,11 @@ pub enum ImageError {
 }
 
 impl ImageError {
-    /// [`Self::BufferSize`] unless the buffer `what` has one value for each of at least one pixel.
-    pub(super) fn check_buffer(
+    /// Fails unless the buffer `what` has one value for each of at least one pixel.
+    ///
+    /// # Errors
+    /// [`Self::BufferSize`].
+    pub fn check_buffer(
         path: &Path,
         what: &str,
         values: usize,

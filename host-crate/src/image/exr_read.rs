@@ -1,6 +1,6 @@
 //! EXR files, read: our own with everything, those of other tools for their colours.
 
-use super::exr_select::{Selection, select_color};
+use super::exr_select::{Selection, select_color, string};
 use super::exr_write::SETTING_PREFIX;
 use super::guard::catch_panic;
 use super::{Channel, ColorImage, ImageError, LayeredImage};
@@ -8,7 +8,7 @@ use exr::block::UncompressedBlock;
 use exr::block::lines::LineRef;
 use exr::block::reader::{ChunksReader, Reader};
 use exr::meta::header::Header;
-use exr::prelude::{AttributeValue, SampleType, Text, Vec2, f16};
+use exr::prelude::{AttributeValue, SampleType, Vec2, f16};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -184,10 +184,6 @@ fn from_exr(path: &Path, error: exr::error::Error) -> ImageError {
         exr::error::Error::Invalid(what) => broken(path, &what),
         other => broken(path, &other.to_string()),
     }
-}
-
-pub(super) fn string(text: &Text) -> String {
-    String::from_utf8_lossy(text.as_slice()).into_owned()
 }
 
 #[cfg(test)]

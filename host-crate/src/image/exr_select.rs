@@ -1,8 +1,8 @@
 //! Which channels of an EXR file are the picture.
 
 use super::ImageError;
-use super::exr_read::string;
 use exr::meta::header::Header;
+use exr::prelude::Text;
 use std::path::Path;
 
 /// Layers that hold the picture itself, should one be chosen among several.
@@ -48,6 +48,11 @@ pub(super) fn select_color(path: &Path, headers: &[Header]) -> Result<Selection,
             headers.iter().flat_map(|h| &h.channels.list).map(|c| string(&c.name)).collect();
         ImageError::NoColor { path: path.to_owned(), channels: names.join(", ") }
     })
+}
+
+/// A text of the file, as UTF-8.
+pub(super) fn string(text: &Text) -> String {
+    String::from_utf8_lossy(text.as_slice()).into_owned()
 }
 
 #[cfg(test)]

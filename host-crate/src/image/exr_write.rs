@@ -1,6 +1,7 @@
 //! EXR files, written.
 
-use super::{ImageError, LayeredImage, atomic};
+use super::replace::replace_file;
+use super::{ImageError, LayeredImage};
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, LineOrder,
@@ -28,7 +29,7 @@ pub fn write_layers(
     image: &LayeredImage,
     settings: &[(String, String)],
 ) -> Result<(), ImageError> {
-    atomic::replace_file(path, &encode(path, image, settings)?)
+    replace_file(path, &encode(path, image, settings)?)
 }
 
 /// The bytes of the file; `path` is named in errors.

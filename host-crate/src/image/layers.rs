@@ -81,7 +81,10 @@ impl LayeredImage {
 }
 
 /// Fails where a buffer of the film does not fit its size; `path` is named in the error.
-pub(super) fn check_film(path: &Path, film: &Film) -> Result<(), ImageError> {
+///
+/// # Errors
+/// [`ImageError::BufferSize`].
+pub fn check_film(path: &Path, film: &Film) -> Result<(), ImageError> {
     let buffers = [
         ("the radiance", Some(film.radiance.len())),
         ("the features", Some(film.features.len())),

@@ -1,18 +1,14 @@
 //! Pictures on disk: EXR with named layers, PNG, and their comparison.
 //!
 //! A render is written with [`write_film`], any other picture with [`write_color`]: the extension
-//! of the path says how. [`write_png_layers`] and [`write_color_map`] make pictures of numbers,
-//! with a legend. [`read_color`] reads what any tool wrote; [`compare()`] and [`difference()`] set
+//! of the path says how. [`read_color`] reads what any tool wrote; [`compare()`] and [`difference()`] set
 //! two pictures side by side. Call [`check_writable`] before a long render, so that a mistyped path
 //! costs no hours.
 //!
 //! Files appear whole or not at all: they are written beside the target and renamed.
 
 mod agreement;
-mod atomic;
-mod canvas;
 mod color;
-mod color_map;
 mod compare;
 mod difference;
 mod error;
@@ -22,28 +18,21 @@ mod exr_write;
 mod format;
 mod guard;
 mod layers;
-mod legend;
 mod png;
-mod png_layers;
-mod scale;
+mod replace;
 mod tone;
 
 pub use agreement::{Agreement, agreement};
-pub(crate) use atomic::replace_file;
-pub use atomic::{check_writable, discard_unfinished};
 pub use color::ColorImage;
-pub use color_map::write_color_map;
-pub(crate) use compare::trimmed_mean;
-pub use compare::{BlockComparison, Comparison, ComparisonSettings, compare};
+pub use compare::{BlockComparison, Comparison, ComparisonSettings, compare, trimmed_mean};
 pub use difference::difference;
 pub use error::ImageError;
 pub use exr_read::{read_layers, read_settings};
 pub use exr_write::write_layers;
 pub use format::Format;
-pub use layers::{Channel, LayeredImage};
-pub use png::write_png;
-pub use png_layers::{png_layer_paths, write_png_layers};
-pub(crate) use tone::srgb_decode;
+pub use layers::{Channel, LayeredImage, check_film};
+pub use png::{write_png, write_rgb8};
+pub use replace::{check_writable, discard_unfinished, replace_file};
 pub use tone::{Display, ToneMap};
 
 use crate::film::Film;

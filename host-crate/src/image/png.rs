@@ -1,8 +1,9 @@
 //! PNG files.
 
 use super::exr_read::read_file;
-use super::tone::srgb_decode;
-use super::{ColorImage, Display, ImageError, atomic};
+use super::replace::replace_file;
+use super::{ColorImage, Display, ImageError};
+use crate::color::srgb_decode;
 use glam::Vec3;
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
@@ -21,12 +22,7 @@ pub fn write_png(path: &Path, image: &ColorImage, display: &Display) -> Result<(
 }
 
 /// Writes `width * height` pixels of 3 bytes (red, green, blue, sRGB), row by row from the top.
-pub(super) fn write_rgb8(
-    path: &Path,
-    width: u32,
-    height: u32,
-    bytes: &[u8],
-) -> Result<(), ImageError> {
+pub fn write_rgb8(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<(), ImageError> {
     let mut png = Vec::new();
     PngEncoder::new_with_quality(&mut png, CompressionType::Default, FilterType::Adaptive)
         .write_image(bytes, width, height, ExtendedColorType::Rgb8)
@@ -35,7 +31,7 @@ pub(super) fn write_rgb8(
             format: "PNG",
             reason: e.to_string(),
         })?;
-    atomic::replace_file(path, &png)
+    replace_file(path, &png)
 }
 
 /// See [`super::read_color`].

@@ -1,5 +1,7 @@
 //! From linear colours of any brightness to the 8 bits of a screen.
 
+use crate::color::srgb_encode;
+use crate::names::named;
 use glam::Vec3;
 
 /// How a picture is shown on a screen.
@@ -12,7 +14,7 @@ pub struct Display {
 }
 
 /// What becomes of colours that are too bright for a screen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ToneMap {
     /// True colours up to 0.8; brighter ones are compressed and fade to white, keeping their hue.
     #[default]
@@ -21,6 +23,14 @@ pub enum ToneMap {
     Clip,
     /// The contrast of film: darker shadows, an S-curve (ACES, as fitted by Narkowicz).
     Aces,
+}
+
+named! {
+    ToneMap {
+        Soft: "soft",
+        Clip: "clip",
+        Aces: "aces",
+    }
 }
 
 impl Display {
@@ -62,19 +72,10 @@ fn aces(c: f32) -> f32 {
     c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14)
 }
 
-/// The sRGB curve of a linear value in 0..=1.
-pub(super) fn srgb_encode(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
-}
-
-/// The linear value of an sRGB value in 0..=1.
-pub(crate) fn srgb_decode(encoded: f64) -> f64 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::srgb_decode;
 
     const CLIP: Display = Display { exposure: 0.0, tone_map: ToneMap::Clip };
 

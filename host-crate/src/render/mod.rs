@@ -1,35 +1,27 @@
 //! From a scene and a device to a film.
 //!
-//! [`prepare`] turns a scene into the buffers that the kernels read; [`Renderer`] owns them, the
-//! film and the sample stream, and renders round by round; [`run`](run::run) is the loop with its
-//! stops (samples, time, interruption).
+//! [`scene`] turns a scene into the buffers that the kernels read; [`Renderer`] owns them, the film
+//! and the sample stream, and renders round by round; [`run`](run::run) is the loop with its stops
+//! (samples, time, interruption).
 
 pub mod allocator;
-mod batch;
-mod bvh;
-mod camera;
-mod counter;
-pub mod estimation;
-mod estimation_settings;
-mod features;
+mod error;
+pub mod estimator;
 pub mod film;
 pub mod integrator;
-mod light_cache_settings;
-mod lights;
-pub mod prepare;
 mod renderer;
 mod round;
 pub mod run;
-mod sampling;
+pub mod scene;
 mod settings;
-mod triangles;
 
-pub use bvh::BvhQuality;
-pub use estimation_settings::{EstimationSettings, FilterSettings};
+pub use allocator::sampling::{AllocatorKind, Sampling};
+pub use error::RenderError;
+pub use estimator::settings::{EstimationSettings, Estimator, FilterSettings};
 pub use film::FilmBuffers;
-pub use light_cache_settings::{BidirectionalTechniques, LightCacheSettings};
-pub use prepare::PreparedScene;
+pub use integrator::lvc_settings::{BidirectionalTechniques, LightCacheSettings};
 pub use renderer::Renderer;
-pub use run::{Budget, Outcome, Progress, RenderError, run};
-pub use sampling::{AllocatorKind, Estimator, Sampling};
+pub use run::{Budget, Outcome, Progress, run};
+pub use scene::PreparedScene;
+pub use scene::bvh::BvhQuality;
 pub use settings::{IntegratorKind, Settings, Techniques, Timings};

@@ -1,14 +1,15 @@
 //! Rounds of rendering on one device: which kind of round comes next, and how large it is.
 
+use super::allocator::sampling::{AllocatorKind, Sampling};
 use super::allocator::{self, Allocator, uniform::Uniform};
-use super::batch::BatchSize;
-use super::estimation::{ComingRound, Estimation, Noise};
-use super::features::first_hits;
+use super::estimator::{ComingRound, Estimation, Noise};
 use super::film::FilmBuffers;
+use super::integrator::first_hits::first_hits;
 use super::integrator::{self, IntegratorContext};
+use super::round::batch::BatchSize;
 use super::round::{Parts, Round, Stage, allocate_stream};
+use super::scene::PreparedScene;
 use super::settings::{Settings, Timings};
-use super::{AllocatorKind, PreparedScene, Sampling};
 use crate::exec::{Array, ExecError, Executor, kernels};
 use crate::film::Film;
 use bytemuck::Zeroable;

@@ -1,8 +1,9 @@
 //! The render loop and what stops it.
 
-use super::{Renderer, Timings};
-use crate::exec::{ExecError, Executor};
-use raystream_shaders::scene::bvh::MAX_DEPTH;
+use super::error::RenderError;
+use super::renderer::Renderer;
+use super::settings::Timings;
+use crate::exec::Executor;
 use std::time::{Duration, Instant};
 
 /// When to stop: at whichever comes first.
@@ -45,22 +46,6 @@ pub struct Outcome {
     pub timings: Timings,
     /// Whether it was stopped before its budget was spent.
     pub interrupted: bool,
-}
-
-/// What can go wrong in a render.
-#[derive(Debug, thiserror::Error)]
-pub enum RenderError {
-    /// The device failed.
-    #[error(transparent)]
-    Exec(#[from] ExecError),
-    /// The BVH does not fit the traversal's stack.
-    #[error(
-        "the geometry nests {depth} levels deep and the traversal handles {MAX_DEPTH}: it has many triangles of sizes that differ by orders of magnitude in one place; scale or split them"
-    )]
-    TooDeep {
-        /// Nodes on the longest path.
-        depth: u32,
-    },
 }
 
 /// How often rays are counted.

@@ -1,9 +1,11 @@
 //! What a render computes, and what it measures of itself.
 
-use super::camera::camera;
-use super::{LightCacheSettings, PreparedScene, Sampling};
+use super::allocator::sampling::Sampling;
+use super::integrator::lvc_settings::LightCacheSettings;
+use super::scene::PreparedScene;
+use super::scene::camera::camera;
+use crate::names::named;
 use crate::scene::FilmSize;
-use clap::ValueEnum;
 use glam::Vec3;
 use raystream_shaders::integrator::params::{self, PathParams};
 use raystream_shaders::math::random;
@@ -41,7 +43,7 @@ pub struct Settings {
 }
 
 /// How a path's contribution is computed; see [`crate::render::integrator`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum IntegratorKind {
     /// One thread walks one path to its end.
     Megakernel,
@@ -58,6 +60,16 @@ pub enum IntegratorKind {
     /// Bidirectional: paths from the lights leave vertices in a cache, to which paths from the
     /// camera connect.
     Lvc,
+}
+
+named! {
+    IntegratorKind {
+        Megakernel: "megakernel",
+        Compaction: "compaction",
+        Regeneration: "regeneration",
+        Streaming: "streaming",
+        Lvc: "lvc",
+    }
 }
 
 /// How light is looked for. All are unbiased where every technique can find all light; they differ

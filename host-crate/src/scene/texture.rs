@@ -76,7 +76,7 @@ fn decode(path: &Path, bytes: Vec<u8>) -> Result<image::RgbaImage, SceneError> {
 
 /// The linear value, in [0, 1], of an sRGB code in [0, 255].
 fn srgb_to_linear(code: u32) -> f32 {
-    crate::image::srgb_decode(f64::from(code) / 255.0) as f32
+    crate::color::srgb_decode(f64::from(code) / 255.0) as f32
 }
 
 #[cfg(test)]

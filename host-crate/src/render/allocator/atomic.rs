@@ -3,8 +3,7 @@
 
 use super::runs::{RunTable, Weights};
 use super::{Allocator, RoundBuffers, Stream, one_stream};
-use crate::exec::{Array, ExecError, Executor, Launch, kernels};
-use crate::render::counter::Counter;
+use crate::exec::{Array, Counter, ExecError, Executor, Launch, kernels};
 use crate::render::film::FilmBuffers;
 use raystream_shaders::allocator::atomic::STRETCH;
 use raystream_shaders::film::stream::RunWindow;

@@ -10,9 +10,10 @@
 pub mod atomic;
 pub mod paper;
 pub mod runs;
+pub mod sampling;
 pub mod uniform;
 
-use super::AllocatorKind;
+use self::sampling::AllocatorKind;
 use super::film::FilmBuffers;
 use crate::exec::{Array, ExecError, Executor, Launch};
 use raystream_shaders::film::Contribution;

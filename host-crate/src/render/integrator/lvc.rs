@@ -34,7 +34,7 @@
 
 use super::{Integrator, IntegratorContext, StreamBuffers};
 use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers, halve_until_it_fits, kernels};
-use crate::render::LightCacheSettings;
+use crate::render::integrator::lvc_settings::LightCacheSettings;
 use bytemuck::Zeroable;
 use glam::UVec4;
 use raystream_shaders::integrator::lvc::LvcParams;
@@ -64,7 +64,7 @@ const VERTEX_BYTES: u64 = ROWS_PER_VERTEX as u64 * size_of::<UVec4>() as u64;
 /// rows.
 const MAX_SCRATCH_BYTES: u64 = 4 << 30;
 /// What buffers of vertices are called in errors.
-const LABEL: &str = "light vertices (--light-paths and --max-depth make fewer)";
+pub const LABEL: &str = "light vertices (fewer or shorter light paths leave fewer)";
 
 /// See the [module](self).
 pub struct Lvc<B> {

@@ -11,13 +11,15 @@
 //! All but the last call the same functions of [`raystream_shaders::integrator::path`], which do
 //! the same arithmetic in the same order.
 
+pub mod first_hits;
 pub mod lvc;
+pub mod lvc_settings;
 pub mod megakernel;
 mod passes;
 pub mod regeneration;
 pub mod wavefront;
 
-use super::{IntegratorKind, Settings};
+use super::settings::{IntegratorKind, Settings};
 use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;

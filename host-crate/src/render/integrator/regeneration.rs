@@ -1,8 +1,7 @@
 //! The integrator `regeneration`: threads take slot after slot.
 
 use super::{Integrator, StreamBuffers};
-use crate::exec::{ExecError, Executor, Launch, kernels};
-use crate::render::counter::Counter;
+use crate::exec::{Counter, ExecError, Executor, Launch, kernels};
 use raystream_shaders::integrator::params::PathParams;
 use raystream_shaders::integrator::regeneration::SEGMENTS;
 use std::ops::Range;

@@ -1,0 +1,167 @@
+//! `raystream bench`
+
+use super::convergence::{self, ConvergenceArguments};
+use super::ending::{CliError, Ending};
+use super::integrators::{self, IntegratorsArguments};
+use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
+use super::output::print_line;
+use clap::{Args, Subcommand};
+use raystream::exec::device::Device;
+use raystream::render::{PreparedScene, Settings};
+use raystream::scene::FilmSize;
+use raystream_bench::{paths, rays};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// What to measure.
+#[derive(Subcommand)]
+pub enum BenchCommand {
+    /// Rays per second of the traversal: primary, diffuse-bounce and shadow rays, checked against
+    /// brute force.
+    Rays(RaysArguments),
+    /// Paths per second of whole renders.
+    Paths(PathsArguments),
+    /// Integrators side by side: speed, memory, agreement, and how many paths are under way in each
+    /// iteration.
+    Integrators(IntegratorsArguments),
+    /// Error over time of adaptive and of uniform sampling, with one integrator or several:
+    /// speed-ups at equal error, errors at equal time, and where the time goes.
+    Convergence(ConvergenceArguments),
+}
+
+/// The options of `raystream bench rays`.
+#[derive(Args)]
+pub struct RaysArguments {
+    #[command(flatten)]
+    common: CommonArguments,
+    /// Timed repetitions; the median counts.
+    #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    repetitions: u32,
+    /// Rays of each kind to check against brute force.
+    #[arg(long, default_value_t = 1024)]
+    checks: u32,
+}
+
+/// The options of `raystream bench paths`.
+#[derive(Args)]
+pub struct PathsArguments {
+    #[command(flatten)]
+    common: CommonArguments,
+    /// How long to render each scene.
+    #[arg(long, default_value = "3", value_name = "SECONDS", value_parser = parse_seconds)]
+    time: Duration,
+}
+
+#[derive(Args)]
+struct CommonArguments {
+    /// Scene files, or names of scenes that ship.
+    #[arg(default_value = "cornell_ball")]
+    scenes: Vec<PathBuf>,
+    #[command(flatten)]
+    settings: SettingsArguments,
+    #[command(flatten)]
+    device: DeviceArguments,
+}
+
+/// The size at which rays are measured unless another is asked for.
+const RAYS_SIZE: FilmSize = FilmSize { width: 1920, height: 1080 };
+
+/// Runs a measurement.
+pub fn run(command: &BenchCommand) -> Result<Ending, CliError> {
+    match command {
+        BenchCommand::Convergence(arguments) => return convergence::run(arguments),
+        BenchCommand::Integrators(arguments) => return integrators::run(arguments),
+        BenchCommand::Rays(arguments) => {
+            arguments.common.for_each_scene(Some(RAYS_SIZE), |device, scene, settings| {
+                bench_rays(arguments, device, scene, settings)
+            })
+        }
+        BenchCommand::Paths(arguments) => {
+            arguments.common.for_each_scene(None, |device, scene, settings| {
+                bench_paths(arguments.time, device, scene, settings)
+            })
+        }
+    }?;
+    Ok(Ending::Done)
+}
+
+impl CommonArguments {
+    fn for_each_scene(
+        &self,
+        size: Option<FilmSize>,
+        measure: impl Fn(&Device, &PreparedScene, &Settings) -> Result<(), CliError>,
+    ) -> Result<(), CliError> {
+        let device = self.device.open()?;
+        for name in &self.scenes {
+            let mut scene = load_scene(name)?;
+            scene.film = size.unwrap_or(scene.film);
+            let settings = self.settings.settings(&scene);
+            print_line(&format!(
+                "{}, {} triangles, {}x{}, max_depth {}, on {}",
+                scene.name,
+                scene.triangles.len(),
+                settings.size.width,
+                settings.size.height,
+                settings.max_depth,
+                device.name()
+            ))?;
+            measure(&device, &self.settings.prepare(scene)?, &settings)?;
+        }
+        Ok(())
+    }
+}
+
+fn bench_rays(
+    arguments: &RaysArguments,
+    device: &Device,
+    scene: &PreparedScene,
+    settings: &Settings,
+) -> Result<(), CliError> {
+    let options =
+        rays::Options { repetitions: arguments.repetitions, checks: arguments.checks as usize };
+    let speeds = match device {
+        Device::Cpu(cpu) => rays::measure(cpu, scene, settings, options),
+        Device::Gpu(gpu) => rays::measure(gpu.as_ref(), scene, settings, options),
+    }?;
+    for speed in speeds {
+        print_line(&format!(
+            "    {:<15} {:9.2} Mrays/s, {:5.1} % hit ({} rays checked, {} ties)",
+            speed.kind,
+            speed.mrays_per_second,
+            100.0 * speed.hits,
+            speed.checked,
+            speed.ties
+        ))?;
+    }
+    Ok(())
+}
+
+fn bench_paths(
+    time: Duration,
+    device: &Device,
+    scene: &PreparedScene,
+    settings: &Settings,
+) -> Result<(), CliError> {
+    let speed = match device {
+        Device::Cpu(cpu) => paths::measure(cpu, scene, settings, time),
+        Device::Gpu(gpu) => paths::measure(gpu.as_ref(), scene, settings, time),
+    }?;
+    let timings = speed.outcome.timings;
+    let share = |part: Duration| 100.0 * part.as_secs_f64() / speed.outcome.elapsed.as_secs_f64();
+    print_line(&format!(
+        "    {:.3} Mpaths/s, {:.2} Mrays/s, {:.2} rays a path, {} paths, mean {:.6}",
+        speed.mpaths_per_second,
+        speed.mrays_per_second,
+        speed.rays_per_path,
+        speed.outcome.paths,
+        speed.mean
+    ))?;
+    print_line(&format!(
+        "    tracing {:.1} %, generation {:.2} %, accumulation {:.2} % of {:.2} s",
+        share(timings.tracing),
+        share(timings.generation),
+        share(timings.accumulation),
+        speed.outcome.elapsed.as_secs_f64()
+    ))?;
+    Ok(())
+}

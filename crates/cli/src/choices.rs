@@ -1,0 +1,85 @@
+//! Enums of the library as values of options.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use raystream::image::ToneMap;
+use raystream::names::UnknownName;
+use raystream::render::{AllocatorKind, BvhQuality, Estimator, IntegratorKind};
+use std::str::FromStr;
+
+/// An enum of the library, with what `--help` says of each value.
+pub trait Choice: FromStr<Err = UnknownName> + Copy + Send + Sync + 'static {
+    /// Every value.
+    const ALL: &'static [Self];
+
+    /// What the value is called.
+    fn name(self) -> &'static str;
+
+    /// What the value means.
+    fn help(self) -> &'static str;
+}
+
+/// Reads a value by its name.
+pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let values = T::ALL.iter().map(|value| PossibleValue::new(value.name()).help(value.help()));
+    PossibleValuesParser::new(values).try_map(|name| name.parse::<T>())
+}
+
+macro_rules! choices {
+    ($kind:ident { $($value:ident: $help:literal,)+ }) => {
+        impl Choice for $kind {
+            const ALL: &'static [Self] = $kind::ALL;
+
+            fn name(self) -> &'static str {
+                $kind::name(self)
+            }
+
+            fn help(self) -> &'static str {
+                match self {
+                    $(Self::$value => $help,)+
+                }
+            }
+        }
+    };
+}
+
+choices! {
+    AllocatorKind {
+        Uniform: "Every pixel equally",
+        Paper: "Streams of pixels whose error exceeds random thresholds (Podee et al.)",
+        Atomic: "In proportion to the error, slots and sums by atomics (Podee et al., equation 2)",
+        Runs: "In proportion to the error, each pixel a run of consecutive slots",
+    }
+}
+
+choices! {
+    Estimator {
+        Bilateral: "The squared difference from the picture after a joint bilateral filter (Podee et al.)",
+        Halves: "The squared difference of the means over even and over odd samples",
+        Variance: "The variance of the pixel's mean",
+    }
+}
+
+choices! {
+    IntegratorKind {
+        Megakernel: "One thread walks one path to its end",
+        Compaction: "All paths advance by a segment at a time; after each, stream compaction removes those that have ended",
+        Regeneration: "A fixed number of threads, each of which takes the next sample as soon as its path has ended",
+        Streaming: "A pool of paths that advance by a segment at a time; stream compaction removes those that have ended, and the next samples take their places",
+        Lvc: "Bidirectional: paths from the lights leave vertices in a cache, to which paths from the camera connect",
+    }
+}
+
+choices! {
+    ToneMap {
+        Soft: "True colours up to 0.8; brighter ones are compressed and fade to white, keeping their hue",
+        Clip: "True colours up to 1, each component cut off there",
+        Aces: "The contrast of film: darker shadows, an S-curve (ACES, as fitted by Narkowicz)",
+    }
+}
+
+choices! {
+    BvhQuality {
+        Fast: "Milliseconds",
+        High: "Faster rays",
+    }
+}

@@ -1,0 +1,117 @@
+//! The `raystream` binary: the command line.
+
+mod bench;
+mod choices;
+mod compare;
+mod convergence;
+mod devices;
+mod ending;
+mod entries;
+mod hints;
+mod integrators;
+mod options;
+mod output;
+mod progress;
+mod render;
+mod sampling;
+mod scenes;
+
+use self::ending::{Ending, FAILED, INTERRUPTED};
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// An adaptive path tracer whose kernels are written once, in Rust, and run on the GPU and on the
+/// CPU.
+#[derive(Parser)]
+#[command(name = "raystream", version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    /// Say more: -v what happens, -vv what the libraries say.
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a scene to a picture.
+    Render(render::RenderArguments),
+    /// Compare two pictures: RMSE, relMSE, ratio of the means.
+    Compare(compare::CompareArguments),
+    /// List the devices that can render.
+    Devices(devices::DevicesArguments),
+    /// List the scenes that ship with Raystream.
+    Scenes,
+    /// Measure speed.
+    #[command(subcommand)]
+    Bench(bench::BenchCommand),
+}
+
+fn main() -> ExitCode {
+    silence_device_selection();
+    let arguments = Arguments::parse();
+    start_logging(arguments.verbose);
+    report_panics();
+    let result = match arguments.command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
+        Command::Devices(arguments) => devices::run(&arguments),
+        Command::Scenes => scenes::run(),
+        Command::Bench(command) => bench::run(&command),
+    };
+    match result {
+        Ok(Ending::Done) => ExitCode::SUCCESS,
+        Ok(Ending::Interrupted) => ExitCode::from(INTERRUPTED),
+        Err(error) => {
+            output::say(&format!("error: {}", hints::with_hint(error.as_ref())));
+            ExitCode::from(FAILED)
+        }
+    }
+}
+
+/// Without a desktop, the layer of Mesa that picks the desktop's GPU complains on stderr at every
+/// start of Vulkan: leaves it out.
+fn silence_device_selection() {
+    let has_desktop = ["DISPLAY", "WAYLAND_DISPLAY", "XDG_RUNTIME_DIR"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some());
+    if !has_desktop {
+        // SAFETY: `main` calls this first, while the process has no other thread that could read
+        // the environment.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
+/// Sends the program's and the libraries' messages to stderr; warnings and errors always, more by
+/// `verbose`. The variable `RUST_LOG` overrides.
+fn start_logging(verbose: u8) {
+    use tracing_subscriber::filter::EnvFilter;
+    let default = match verbose {
+        0 => "warn",
+        1 => "raystream=debug,warn",
+        _ => "debug",
+    };
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default));
+    // Fails only where a test harness has set a subscriber of its own, which then stays.
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr()))
+        .without_time()
+        .with_target(false)
+        // By default it reports a closed stderr on stderr, and panics.
+        .log_internal_errors(false)
+        .try_init();
+}
+
+/// A panic is a bug: say so in one line, and where, and end with the status of an error.
+fn report_panics() {
+    std::panic::set_hook(Box::new(|panic| {
+        let message = panic.payload_as_str().unwrap_or("unknown");
+        let place = panic.location().map_or_else(String::new, |location| format!(" at {location}"));
+        output::say(&format!(
+            "error: a bug in raystream: {message}{place}; please report it with the command that you ran"
+        ));
+        std::process::exit(i32::from(FAILED));
+    }));
+}

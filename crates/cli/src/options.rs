@@ -1,0 +1,203 @@
+//! Options that several commands share, and how their values are read.
+
+use super::choices::choice;
+use super::output::say;
+use clap::builder::NonEmptyStringValueParser;
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use raystream::exec::ExecError;
+use raystream::exec::device::{Device, OpenOptions};
+use raystream::render::{
+    BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, RenderError, Sampling, Settings,
+    Techniques,
+};
+use raystream::scene::{self, FilmSize, Scene, SceneError};
+use raystream_shaders::integrator::lvc::MAX_CONNECTIONS;
+use raystream_shaders::scene::ray::OFFSET_ROUNDINGS;
+use std::path::Path;
+use std::time::Duration;
+
+/// The options that choose a device.
+#[derive(Args)]
+pub struct DeviceArguments {
+    /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name;
+    /// gpu:2 or NAME:2 is the second that fits.
+    #[arg(long, default_value = "auto", value_name = "DEVICE", value_parser = NonEmptyStringValueParser::new())]
+    device: String,
+    #[command(flatten)]
+    open: OpenArguments,
+}
+
+/// The options that say how devices are opened.
+#[derive(Args)]
+pub struct OpenArguments {
+    /// Have naga translate the kernels, also where the driver takes SPIR-V.
+    #[arg(long)]
+    naga: bool,
+    /// Run under the driver's validation layers, where they are installed (-vv says), and print
+    /// their messages.
+    #[arg(long)]
+    validation: bool,
+}
+
+impl OpenArguments {
+    /// What was asked for.
+    pub fn options(&self) -> OpenOptions {
+        OpenOptions { naga: self.naga, validation: self.validation }
+    }
+}
+
+impl DeviceArguments {
+    /// Opens the device that was asked for.
+    pub fn open(&self) -> Result<Device, ExecError> {
+        Device::open(&self.device, self.open.options())
+    }
+}
+
+/// The options that say what is computed.
+#[derive(Args)]
+pub struct SettingsArguments {
+    /// Picture size in pixels [default: the scene's].
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<FilmSize>,
+    /// Renders with different seeds are independent of each other.
+    #[arg(long, default_value_t = 0)]
+    seed: u32,
+    /// Where random numbers come from.
+    #[arg(long, value_enum, default_value_t = Sampler::Sobol)]
+    sampler: Sampler,
+    /// Longest path in segments: 1 sees only what emits, 2 direct light as well [default: the
+    /// scene's].
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..))]
+    max_depth: Option<u32>,
+    /// Segment after which Russian roulette may end a path [default: the scene's].
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..))]
+    rr_depth: Option<u32>,
+    /// How to compute a path's contribution.
+    #[arg(long, value_parser = choice::<IntegratorKind>(), default_value_t)]
+    integrator: IntegratorKind,
+    /// Light paths of each round of the integrator lvc [default: by a pilot run, as many as leave
+    /// about one vertex for each pixel, but no more than pixels, up to 2^20].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_LIGHT_PATHS))]
+    light_paths: Option<u32>,
+    /// Connections of each vertex of an eye path to light vertices, in the integrator lvc [default:
+    /// by a pilot run, as many as a light path has vertices, 1 or 2].
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CONNECTIONS)))]
+    connections: Option<u32>,
+    /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there.
+    /// Details smaller than that cast no shadow; other renderers take some 1500.
+    #[arg(long, default_value_t = OFFSET_ROUNDINGS, value_name = "N", value_parser = parse_ray_offset)]
+    ray_offset: f32,
+    /// How carefully to build the acceleration structure: fast suits previews of large scenes.
+    #[arg(long, value_parser = choice::<BvhQuality>(), default_value_t)]
+    bvh: BvhQuality,
+}
+
+/// Light paths of a round, at most: as many as a stream has slots.
+const MAX_LIGHT_PATHS: i64 = 1 << 22;
+
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Sampler {
+    /// Owen-scrambled Sobol points.
+    Sobol,
+    /// Independent random numbers.
+    Independent,
+}
+
+impl SettingsArguments {
+    /// The seed.
+    pub fn seed(&self) -> u32 {
+        self.seed
+    }
+
+    /// The integrator.
+    pub fn integrator(&self) -> IntegratorKind {
+        self.integrator
+    }
+
+    /// The settings for `scene`.
+    pub fn settings(&self, scene: &Scene) -> Settings {
+        Settings {
+            size: self.size.unwrap_or(scene.film),
+            seed: self.seed,
+            independent_sampler: matches!(self.sampler, Sampler::Independent),
+            max_depth: self.max_depth.unwrap_or(scene.limits.max_depth),
+            roulette_depth: self.rr_depth.unwrap_or(scene.limits.roulette_depth),
+            techniques: Techniques::Both,
+            background: Vec3::ZERO,
+            ray_offset: self.ray_offset,
+            sampling: Sampling::UNIFORM,
+            integrator: self.integrator,
+            light_cache: LightCacheSettings {
+                light_paths: self.light_paths,
+                connections: self.connections,
+                ..LightCacheSettings::default()
+            },
+        }
+    }
+
+    /// Builds the scene's BVH and lights.
+    pub fn prepare(&self, scene: Scene) -> Result<PreparedScene, RenderError> {
+        PreparedScene::new(scene, self.bvh)
+    }
+
+    /// The settings as pairs of name and value, for a picture's header.
+    pub fn describe(&self, settings: &Settings) -> Vec<(String, String)> {
+        let pair = |name: &str, value: String| (name.to_owned(), value);
+        let mut pairs = vec![
+            pair("seed", settings.seed.to_string()),
+            pair("sampler", format!("{:?}", self.sampler).to_lowercase()),
+            pair("max_depth", settings.max_depth.to_string()),
+            pair("rr_depth", settings.roulette_depth.to_string()),
+            pair("ray_offset", settings.ray_offset.to_string()),
+            pair("integrator", self.integrator.to_string()),
+        ];
+        if settings.integrator == IntegratorKind::Lvc {
+            let number =
+                |name, number: Option<u32>| number.map(|number| pair(name, number.to_string()));
+            pairs.extend(number("light_paths", settings.light_cache.light_paths));
+            pairs.extend(number("connections", settings.light_cache.connections));
+        }
+        pairs
+    }
+}
+
+/// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; prints
+/// its warnings.
+pub fn load_scene(name: &Path) -> Result<Scene, SceneError> {
+    let scene = match name.to_str().filter(|text| !text.contains(['/', '\\', '.'])) {
+        Some(shipped) => scene::load_named(shipped)?,
+        None => scene::load(name)?,
+    };
+    for warning in &scene.warnings {
+        say(&format!("warning: {warning}"));
+    }
+    Ok(scene)
+}
+
+/// A size as `800x600`.
+pub fn parse_size(text: &str) -> Result<FilmSize, String> {
+    let wrong = || format!("'{text}' is not WIDTHxHEIGHT in pixels, such as 800x600");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let width = width.parse().map_err(|_| wrong())?;
+    let height = height.parse().map_err(|_| wrong())?;
+    FilmSize::new(width, height).map_err(|error| format!("'{text}': {error}"))
+}
+
+fn parse_ray_offset(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(roundings) if (1.0..=1e5).contains(&roundings) => Ok(roundings),
+        _ => Err(format!("'{text}' is not a number of roundings between 1 and 100000")),
+    }
+}
+
+/// A time in seconds, above 0 and at most a year.
+pub fn parse_seconds(text: &str) -> Result<Duration, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 3.2e7 => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err(format!(
+            "'{text}' is not a time in seconds between 0 and a year, such as 30 or 2.5"
+        )),
+    }
+}

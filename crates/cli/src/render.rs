@@ -1,0 +1,278 @@
+//! `raystream render`
+
+use super::choices::choice;
+use super::ending::{CliError, Ending, INTERRUPTED};
+use super::hints::with_hint;
+use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
+use super::output::{self, is_same_file, rate};
+use super::progress::ProgressDisplay;
+use super::sampling::{SamplingArguments, describe};
+use clap::Args;
+use raystream::exec::device::Device;
+use raystream::exec::{ExecError, Executor};
+use raystream::film::Film;
+use raystream::image::{self, Display, Format, ToneMap};
+use raystream::render::estimator::Estimation;
+use raystream::render::{
+    Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, run as render,
+};
+use raystream::scene::DEFAULT_SCENE;
+use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// The options of `raystream render`.
+#[derive(Args)]
+pub struct RenderArguments {
+    /// A scene file, or the name of a scene that ships (see `raystream scenes`).
+    #[arg(default_value = DEFAULT_SCENE)]
+    scene: PathBuf,
+    /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be
+    /// given several times [default: the scene's name with .png].
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Samples per pixel on average over the pixels [default: 64, or as many as --time or --noise
+    /// take].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
+    spp: Option<u32>,
+    /// Stop after this time; what comes first of this, --spp and --noise counts.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    time: Option<Duration>,
+    #[command(flatten)]
+    sampling: SamplingArguments,
+    #[command(flatten)]
+    settings: SettingsArguments,
+    #[command(flatten)]
+    device: DeviceArguments,
+    /// Brightness of a PNG in stops: +1 doubles.
+    #[arg(long, default_value_t = 0.0, value_name = "STOPS", allow_negative_numbers = true, value_parser = parse_exposure)]
+    exposure: f32,
+    /// How a PNG shows what is brighter than its white.
+    #[arg(long, value_parser = choice::<ToneMap>(), default_value_t)]
+    tone_map: ToneMap,
+    /// Beside each .png picture, write its layers as pictures too: picture.samples.png (samples per
+    /// pixel), picture.error.png (estimated error) and picture.filtered.png, where errors are
+    /// estimated, picture.albedo.png, picture.normal.png and picture.depth.png.
+    #[arg(long)]
+    png_layers: bool,
+    /// Say nothing but warnings and errors.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Samples per pixel go up to this: beyond, sample counts in an f32 are not exact.
+const MAX_SAMPLES: i64 = 1 << 24;
+/// Characters of the default file name; 4 bytes each at most, and file names have up to 255.
+const MAX_STEM: usize = 60;
+/// Samples per pixel where nothing is asked for.
+const DEFAULT_SAMPLES: u32 = 64;
+
+/// Renders a scene and writes the pictures.
+pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
+    let interrupted = catch_interrupt()?;
+    let scene = load_scene(&arguments.scene)?;
+    let outputs = if arguments.output.is_empty() {
+        vec![PathBuf::from(format!("{}.png", file_stem(&scene.name)))]
+    } else {
+        arguments.output.clone()
+    };
+    check_outputs(&outputs, arguments.png_layers)?;
+    let device = arguments.device.open()?;
+    let mut settings =
+        Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
+    let say = |line: String| {
+        if !arguments.quiet {
+            output::say(&line);
+        }
+    };
+    say(format!(
+        "{}: {} triangles, {}x{} pixels, on {}",
+        scene.name,
+        scene.triangles.len(),
+        settings.size.width,
+        settings.size.height,
+        device.name()
+    ));
+    let name = scene.name.clone();
+    let started = Instant::now();
+    let prepared = arguments.settings.prepare(scene)?;
+    tracing::debug!("built the BVH in {:.2} s", started.elapsed().as_secs_f64());
+
+    let has_no_other_end = arguments.time.is_none() && settings.sampling.noise.is_none();
+    let budget = Budget {
+        samples: arguments.spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES)),
+        time: arguments.time,
+    };
+    if let Some(sampling) = arguments.sampling.fallback()
+        && let Err(error) = can_estimate(&device, &settings)
+    {
+        output::say(&format!(
+            "warning: {}; sampling every pixel equally instead (--allocator uniform)",
+            with_hint(&error)
+        ));
+        settings.sampling = sampling;
+    }
+    let mut display = ProgressDisplay::new(arguments.quiet);
+    let (film, outcome) = match &device {
+        Device::Cpu(cpu) => {
+            render_film(cpu, &prepared, &settings, budget, &interrupted, &mut display)
+        }
+        Device::Gpu(gpu) => {
+            render_film(gpu.as_ref(), &prepared, &settings, budget, &interrupted, &mut display)
+        }
+    }?;
+    say(summary(&outcome, &film));
+
+    let mut header = vec![
+        ("scene".to_owned(), name),
+        ("device".to_owned(), device.name()),
+        ("samples".to_owned(), average_samples(&outcome, &film).to_string()),
+        ("seconds".to_owned(), format!("{:.3}", outcome.elapsed.as_secs_f64())),
+        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+    ];
+    header.extend(arguments.settings.describe(&settings));
+    header.extend(describe(&settings.sampling));
+    let picture_display = Display { exposure: arguments.exposure, tone_map: arguments.tone_map };
+    // Where one cannot be written (a disk is full), the others still save the render.
+    let mut written: Result<(), FigureError> = Ok(());
+    for path in &outputs {
+        let picture = image::write_film(path, &film, &header, &picture_display);
+        if picture.is_ok() {
+            say(format!("wrote {}", path.display()));
+        }
+        written = written.and(picture.map_err(FigureError::from));
+        if arguments.png_layers && is_png(path) {
+            let layers = write_png_layers(path, &film, &picture_display);
+            for path in layers.iter().flatten() {
+                say(format!("wrote {}", path.display()));
+            }
+            written = written.and(layers.map(|_| ()));
+        }
+    }
+    written?;
+    Ok(if outcome.interrupted { Ending::Interrupted } else { Ending::Done })
+}
+
+/// Fails where a picture is too large for the device to estimate its errors.
+fn can_estimate(device: &Device, settings: &Settings) -> Result<(), ExecError> {
+    match device {
+        Device::Cpu(cpu) => Estimation::check(cpu, settings.size),
+        Device::Gpu(gpu) => Estimation::check(gpu.as_ref(), settings.size),
+    }
+}
+
+fn render_film<E: Executor>(
+    executor: &E,
+    scene: &PreparedScene,
+    settings: &Settings,
+    budget: Budget,
+    interrupted: &AtomicBool,
+    display: &mut ProgressDisplay,
+) -> Result<(Film, Outcome), RenderError> {
+    let mut renderer = Renderer::new(executor, scene, settings)?;
+    let outcome =
+        render(&mut renderer, budget, &|| interrupted.load(Ordering::Relaxed), &mut |progress| {
+            display.show(progress)
+        });
+    display.finish();
+    renderer.finish_features()?;
+    Ok((renderer.film()?, outcome?))
+}
+
+fn summary(outcome: &Outcome, film: &Film) -> String {
+    let seconds = outcome.elapsed.as_secs_f64().max(1e-9);
+    format!(
+        "{}{} samples per pixel in {seconds:.2} s: {}samples/s, {}rays/s",
+        if outcome.interrupted { "interrupted after " } else { "" },
+        average_samples(outcome, film),
+        rate(outcome.paths as f64 / seconds),
+        rate(outcome.rays as f64 / seconds)
+    )
+}
+
+/// Samples per pixel; an average, to two digits after the point.
+fn average_samples(outcome: &Outcome, film: &Film) -> f64 {
+    (outcome.paths as f64 / film.radiance.len() as f64 * 100.0).round() / 100.0
+}
+
+/// A flag that the first Ctrl-C (or SIGTERM) sets; the second ends the program at once.
+fn catch_interrupt() -> Result<Arc<AtomicBool>, CliError> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            image::discard_unfinished();
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+        output::say(
+            "interrupted: finishing the round and writing the picture; again to stop at once",
+        );
+    })?;
+    Ok(interrupted)
+}
+
+/// Fails where a render's pictures could not be written, or one would replace another.
+fn check_outputs(paths: &[PathBuf], png_layers: bool) -> Result<(), CliError> {
+    for (index, path) in paths.iter().enumerate() {
+        image::check_writable(path)?;
+        if paths[..index].iter().any(|earlier| is_same_file(earlier, path)) {
+            return Err(
+                format!("{}: -o names this file twice; name each once", path.display()).into()
+            );
+        }
+    }
+    if png_layers {
+        check_layers(paths)?;
+    }
+    Ok(())
+}
+
+/// As [`check_outputs`], of the layers beside the pictures.
+fn check_layers(pictures: &[PathBuf]) -> Result<(), CliError> {
+    let layers: Vec<PathBuf> = pictures
+        .iter()
+        .filter(|path| is_png(path))
+        .flat_map(|path| png_layer_paths(path, true))
+        .collect();
+    if layers.is_empty() {
+        return Err(
+            "--png-layers: no -o names a .png picture to write layers beside; add -o picture.png"
+                .into(),
+        );
+    }
+    for (index, path) in layers.iter().enumerate() {
+        image::check_writable(path)?;
+        if layers[..index].iter().chain(pictures).any(|other| is_same_file(other, path)) {
+            return Err(format!(
+                "{}: would be written twice, at least once as a layer (--png-layers); give -o other names",
+                path.display()
+            )
+            .into());
+        }
+    }
+    Ok(())
+}
+
+fn is_png(path: &Path) -> bool {
+    matches!(Format::of(path), Ok(Format::Png))
+}
+
+/// A scene's name as a file name, of a length that every file system takes.
+pub fn file_stem(name: &str) -> String {
+    let stem: String = name
+        .chars()
+        .take(MAX_STEM)
+        .map(|c| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' })
+        .collect();
+    let stem = stem.trim_matches(['.', ' ']);
+    if stem.is_empty() { "picture".into() } else { stem.into() }
+}
+
+fn parse_exposure(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
+        _ => Err(format!("'{text}' is not a number of stops between -100 and 100")),
+    }
+}

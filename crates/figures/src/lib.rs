@@ -1,0 +1,15 @@
+//! Figures: numbers as colours with a legend ([`color_map`]), the layers of a render as pictures
+//! ([`png_layers`]), and plots ([`plot`]).
+#![deny(missing_docs)]
+
+mod canvas;
+pub mod color_map;
+mod error;
+mod legend;
+pub mod plot;
+pub mod png_layers;
+mod scale;
+
+pub use color_map::write_color_map;
+pub use error::FigureError;
+pub use png_layers::{png_layer_paths, write_png_layers};

@@ -1,0 +1,324 @@
+//! Files that appear whole or not at all.
+
+use super::{Format, ImageError};
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Fails now if writing a picture to `path` would: its extension is not `.exr` or `.png`, its
+/// folder does not exist or is not writable, or it names a folder, a device or a write-protected
+/// file. Leaves nothing behind and does not touch an existing file.
+///
+/// # Errors
+/// The [`ImageError`] that writing would give.
+pub fn check_writable(path: &Path) -> Result<(), ImageError> {
+    Format::of(path)?;
+    let target = Target::of(path)?;
+    // What permissions mean (owners, access lists, read-only mounts) only the system knows: ask it.
+    tempfile::tempfile_in(&target.folder)
+        .map_err(|e| ImageError::from_write(path, &target.folder, e))?;
+    Ok(())
+}
+
+/// Makes `bytes` the contents of `path`. On any error an existing file keeps its contents, and no
+/// other file is left behind.
+pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
+    replace_file_with(path, |file| file.write_all(bytes))
+}
+
+/// As [`replace_file`], with the contents that `write` puts into the file.
+fn replace_file_with(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> Result<(), ImageError> {
+    let target = Target::of(path)?;
+    let error = |e| ImageError::from_write(path, &target.folder, e);
+    // Removed again when dropped.
+    let (_listed, mut temporary) = target.temporary_file().map_err(error)?;
+    write(temporary.as_file_mut()).map_err(error)?;
+    // A disk may notice only now that it is full, and a rename must not outrun the contents.
+    temporary.as_file().sync_all().map_err(error)?;
+    temporary.persist(&target.file).map_err(|e| error(e.error))?;
+    Ok(())
+}
+
+/// Temporary files that are being written.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of pictures that other threads are writing; for a signal handler
+/// that then ends the process. From now on no picture can be written: a thread that tries waits for
+/// the end of the process.
+pub fn discard_unfinished() {
+    let unfinished = unfinished();
+    for path in unfinished.iter() {
+        // One that has just been renamed is finished.
+        let _ = fs::remove_file(path);
+    }
+    std::mem::forget(unfinished);
+}
+
+/// A path in [`UNFINISHED`]; taken out when dropped.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        unfinished().remove(&self.0);
+    }
+}
+
+/// Where a picture goes.
+struct Target {
+    /// The file to replace or to create, symbolic links followed.
+    file: PathBuf,
+    /// Its folder, which exists.
+    folder: PathBuf,
+    /// The permissions of the file to replace.
+    permissions: Option<fs::Permissions>,
+}
+
+impl Target {
+    fn of(path: &Path) -> Result<Target, ImageError> {
+        let existing = match fs::metadata(path) {
+            Ok(metadata) => Some(metadata),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => None,
+            Err(e) => return Err(ImageError::from_write(path, parent(path), e)),
+        };
+        let file = match &existing {
+            Some(m) if m.is_dir() => return Err(ImageError::IsFolder { path: path.to_owned() }),
+            Some(m) if !m.is_file() => return Err(ImageError::NotAFile { path: path.to_owned() }),
+            Some(m) if m.permissions().readonly() => {
+                return Err(ImageError::WriteProtected { path: path.to_owned() });
+            }
+            Some(_) => {
+                path.canonicalize().map_err(|e| ImageError::from_write(path, parent(path), e))?
+            }
+            None => path.to_owned(),
+        };
+        let folder = parent(&file).to_owned();
+        if !folder.is_dir() {
+            return Err(ImageError::NoFolder { path: path.to_owned(), folder });
+        }
+        Ok(Target { file, folder, permissions: existing.map(|m| m.permissions()) })
+    }
+
+    /// An empty file in the target's folder, with the permissions that the target has or, if it is
+    /// new, that any program's new file would have.
+    fn temporary_file(&self) -> io::Result<(Listed, tempfile::NamedTempFile)> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".raystream-").suffix(".tmp");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // The system takes the umask off.
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        // Held, so that no file is made and not yet listed when the process ends.
+        let mut unfinished = unfinished();
+        let temporary = builder.tempfile_in(&self.folder)?;
+        unfinished.insert(temporary.path().to_owned());
+        drop(unfinished);
+        let listed = Listed(temporary.path().to_owned());
+        if let Some(permissions) = &self.permissions {
+            temporary.as_file().set_permissions(permissions.clone())?;
+        }
+        Ok((listed, temporary))
+    }
+}
+
+fn parent(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn creates_and_replaces() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        replace_file(&path, b"one").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+        replace_file(&path, b"2").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"2");
+        assert_eq!(names(folder.path()), ["a.exr"]);
+    }
+
+    #[test]
+    fn failed_write_keeps_the_old_file_and_leaves_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        fs::write(&path, b"old").unwrap();
+        let half_then_full = |file: &mut File| {
+            file.write_all(b"half of the new contents")?;
+            Err(io::ErrorKind::StorageFull.into())
+        };
+        let error = replace_file_with(&path, half_then_full).unwrap_err();
+        assert!(matches!(error, ImageError::DiskFull { .. }), "{error}");
+        assert!(error.to_string().starts_with(path.to_str().unwrap()), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.exr"]);
+
+        let new = folder.path().join("b.exr");
+        replace_file_with(&new, half_then_full).unwrap_err();
+        assert_eq!(names(folder.path()), ["a.exr"]);
+    }
+
+    #[test]
+    fn what_is_being_written_is_listed_until_it_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let listed = || unfinished().iter().filter(|path| path.starts_with(folder.path())).count();
+        let path = folder.path().join("a.exr");
+        let check = |_: &mut File| {
+            assert_eq!(listed(), 1);
+            Ok(())
+        };
+        replace_file_with(&path, check).unwrap();
+        assert_eq!(listed(), 0);
+        replace_file_with(&path, |_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
+        assert_eq!(listed(), 0);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_the_system_says_of_a_full_disk_is_understood() {
+        let mut full = File::options().write(true).open("/dev/full").expect("Linux has /dev/full");
+        let error = full.write_all(b"x").unwrap_err();
+        let error = ImageError::from_write(Path::new("a.exr"), Path::new("."), error);
+        assert!(matches!(error, ImageError::DiskFull { .. }), "{error}");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_disk_that_fills_up() {
+        use std::process::Command;
+        struct Mounted(tempfile::TempDir);
+        impl Drop for Mounted {
+            fn drop(&mut self) {
+                let _ = Command::new("umount").arg(self.0.path()).status();
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let mount = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"])
+            .arg(folder.path())
+            .output();
+        if !mount.is_ok_and(|o| o.status.success()) {
+            eprintln!(
+                "SKIPPED: a_disk_that_fills_up needs the right to mount a tmpfs; run the tests as root"
+            );
+            return;
+        }
+        let disk = Mounted(folder);
+        let path = disk.0.path().join("a.exr");
+        replace_file(&path, b"old").unwrap();
+        let error = replace_file(&path, &vec![1; 1 << 20]).unwrap_err();
+        assert!(matches!(error, ImageError::DiskFull { .. }), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(disk.0.path()), ["a.exr"]);
+        replace_file(&path, &vec![2; 1 << 12]).expect("the failed write gave its space back");
+    }
+
+    #[test]
+    fn check_touches_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        check_writable(&path).unwrap();
+        assert_eq!(names(folder.path()), [""; 0]);
+        fs::write(&path, b"old").unwrap();
+        let before = fs::metadata(&path).unwrap().modified().unwrap();
+        check_writable(&path).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::metadata(&path).unwrap().modified().unwrap(), before);
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn check_refuses_what_cannot_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("folder.exr")).unwrap();
+        fs::write(at("file"), b"").unwrap();
+        fs::write(at("kept.exr"), b"").unwrap();
+        let mut read_only = fs::metadata(at("kept.exr")).unwrap().permissions();
+        read_only.set_readonly(true);
+        fs::set_permissions(at("kept.exr"), read_only).unwrap();
+
+        let check = |name: &str| check_writable(&at(name)).unwrap_err();
+        assert!(matches!(check("a.jpg"), ImageError::UnknownExtension { .. }));
+        assert!(matches!(check("folder.exr"), ImageError::IsFolder { .. }));
+        assert!(matches!(check("kept.exr"), ImageError::WriteProtected { .. }));
+        assert!(matches!(
+            check("file/a.exr"),
+            ImageError::Write { .. } | ImageError::NoFolder { .. }
+        ));
+        let missing = check("missing/a.exr");
+        assert!(matches!(missing, ImageError::NoFolder { .. }));
+        let message = missing.to_string();
+        assert!(
+            message.contains(at("missing/a.exr").to_str().unwrap())
+                && message.contains("create it"),
+            "{message}"
+        );
+        assert!(replace_file(&at("kept.exr"), b"new").is_err());
+        assert!(replace_file(&at("folder.exr"), b"new").is_err());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_that_takes_no_files() {
+        // Even root cannot create a file here.
+        let error = check_writable(Path::new("/proc/a.exr")).unwrap_err();
+        assert!(
+            matches!(error, ImageError::Write { .. } | ImageError::FolderNotWritable { .. }),
+            "{error}"
+        );
+        assert!(replace_file(Path::new("/proc/a.exr"), b"").is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_are_those_of_an_ordinary_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        let (ordinary, path) = (folder.path().join("ordinary"), folder.path().join("a.exr"));
+        fs::write(&ordinary, b"").unwrap();
+        replace_file(&path, b"").unwrap();
+        assert_eq!(mode(&path), mode(&ordinary));
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        replace_file(&path, b"").unwrap();
+        assert_eq!(mode(&path), 0o640, "a replaced file keeps its permissions");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_its_file_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let other = tempfile::tempdir().unwrap();
+        let (link, file) = (folder.path().join("a.exr"), other.path().join("b.exr"));
+        fs::write(&file, b"old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        replace_file(&link, b"new").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+}

@@ -1,5 +1,0 @@
-//! The `raystream` binary.
-
-fn main() -> std::process::ExitCode {
-    raystream::cli::main()
-}

@@ -1,0 +1,81 @@
+//! What users can set about the estimators.
+
+use crate::names::named;
+
+/// What the error of a pixel is taken to be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Estimator {
+    /// The squared difference from the picture after a joint bilateral filter (Podee et al.).
+    #[default]
+    Bilateral,
+    /// The squared difference of the means over even and over odd samples.
+    Halves,
+    /// The variance of the pixel's mean.
+    Variance,
+}
+
+named! {
+    Estimator {
+        Bilateral: "bilateral",
+        Halves: "halves",
+        Variance: "variance",
+    }
+}
+
+/// How estimators look at a pixel's neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimationSettings {
+    /// The filter of the estimator `bilateral`.
+    pub filter: FilterSettings,
+    /// Whether `halves` and `variance` average squared errors over 3x3 pixels: the variance of a
+    /// few samples is itself very uncertain, and 0 where a rare bright path is still to be found.
+    pub smooth: bool,
+}
+
+/// A joint bilateral filter: weights are products of Gaussians, each with its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterSettings {
+    /// Neighbours that the filter sees to each side; it takes `(2 radius + 1)^2` reads a pixel. The
+    /// Gaussian of pixel distance has the standard deviation `radius / 2`. 0 filters nothing.
+    pub radius: u32,
+    /// Standard deviation of world distance, in units of what `radius` pixels cover on the surface;
+    /// above 0. Thus a flat wall is filtered alike at any distance, and edges in depth are what is
+    /// deep beside what a pixel covers.
+    pub position_sigma: f32,
+    /// Standard deviation of the difference of unit normals, about an angle in radians; above 0.
+    pub normal_sigma: f32,
+    /// Standard deviation of the difference of albedos, as vectors of RGB; above 0.
+    pub albedo_sigma: f32,
+    /// Whether differences of colour beyond the noise of both pixels count as edges, of shadows for
+    /// one, and noise that the filter leaves is made up for by the variance. Without it the filter
+    /// is that of Podee et al.
+    pub color: bool,
+}
+
+impl EstimationSettings {
+    /// What nobody has to set.
+    pub const DEFAULT: Self = Self { filter: FilterSettings::DEFAULT, smooth: true };
+}
+
+impl Default for EstimationSettings {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Default for FilterSettings {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl FilterSettings {
+    /// What nobody has to set.
+    pub const DEFAULT: Self =
+        Self { radius: 5, position_sigma: 1.0, normal_sigma: 0.1, albedo_sigma: 0.05, color: true };
+
+    /// The filter of Podee et al., which looks at features alone.
+    pub fn paper() -> Self {
+        Self { color: false, ..Self::DEFAULT }
+    }
+}
