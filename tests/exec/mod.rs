@@ -1,0 +1,4 @@
+//! Devices, and the kernels that they are given.
+
+mod gpu;
+mod shaders;
