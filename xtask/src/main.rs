@@ -8,6 +8,7 @@
 mod compiler;
 mod digest;
 mod module;
+mod pipelines;
 mod shaders;
 
 use clap::{Parser, Subcommand};
@@ -39,11 +40,22 @@ enum Command {
         #[arg(long, conflicts_with = "check")]
         bounds_checks: bool,
     },
+    /// Print what the first GPU's Vulkan driver makes of each kernel: registers, spills, ...
+    Pipelines {
+        /// The SPIR-V module.
+        #[arg(default_value = digest::MODULE)]
+        module: std::path::PathBuf,
+    },
 }
 
 fn main() -> ExitCode {
-    let Command::Shaders { check, bounds_checks } = Arguments::parse().command;
-    let outcome = if check { shaders::check() } else { shaders::write(bounds_checks) };
+    let outcome = match Arguments::parse().command {
+        Command::Shaders { check: true, .. } => shaders::check(),
+        Command::Shaders { bounds_checks, .. } => shaders::write(bounds_checks),
+        Command::Pipelines { module } => {
+            pipelines::print(&module).map(|()| Outcome::UpToDate("as the driver says".into()))
+        }
+    };
     match outcome {
         Ok(Outcome::UpToDate(message)) => {
             eprintln!("{message}");
