@@ -9,7 +9,7 @@ use raystream::render::{
     AllocatorKind, Budget, Estimator, Outcome, PreparedScene, Renderer, Sampling, Settings, run,
 };
 use raystream::scene::FilmSize;
-use raystream_shaders::scene::bsdf::Material;
+use raystream::scene::Material;
 use std::time::Duration;
 
 /// Longest streams, in slots: ample for tiny pictures. By default a renderer clears memory for

@@ -1,6 +1,6 @@
 //! Renders by `lvc`, and what must and must not change them.
 
-use super::common::scenes::{self, add_material, add_quad};
+use super::common::scenes::{self, add_quad};
 use super::common::slow::SlowBatches;
 use super::common::{prepare, render, render_on, settings, with_gpu};
 use glam::{DVec3, Vec3};
@@ -141,13 +141,14 @@ fn a_render_is_repeatable() {
 /// roulette, their weights.
 #[test]
 fn without_connections_it_is_the_path_tracer() {
-    for (name, scene) in [
+    for (name, mut scene) in [
         ("glass", scenes::room(scenes::glass(1.5), 1.0)),
         ("smooth", scenes::smooth_room(scenes::diffuse(0.7))),
         ("mirror", scenes::smooth_room(scenes::mirror(0.9))),
     ] {
+        scene.background = Vec3::new(0.1, 0.2, 0.3);
         let prepared = prepare(&scene);
-        let path_tracer = Settings { background: Vec3::new(0.1, 0.2, 0.3), ..settings(&scene) };
+        let path_tracer = settings(&scene);
         let expected = render(&prepared, &path_tracer, 32);
         let techniques = BidirectionalTechniques::WithoutConnections;
         let light_cache = LightCacheSettings { techniques, ..Default::default() };
@@ -175,11 +176,12 @@ fn without_connections_it_is_the_path_tracer() {
 #[test]
 fn without_a_cache_it_is_the_path_tracer() {
     let mut dark = scenes::empty(Vec3::new(0.0, 0.3, 4.0), Vec3::ZERO);
-    let white = add_material(&mut dark, scenes::diffuse(0.8));
+    let white = dark.add_material(scenes::diffuse(0.8));
     scenes::add_ball(&mut dark, Vec3::ZERO, 1.0, 2, white);
-    for (scene, max_depth) in [(dark, 20), (scenes::room(scenes::mirror(0.9), 1.0), 2)] {
+    for (mut scene, max_depth) in [(dark, 20), (scenes::room(scenes::mirror(0.9), 1.0), 2)] {
+        scene.background = Vec3::ONE;
         let prepared = prepare(&scene);
-        let path_tracer = Settings { background: Vec3::ONE, max_depth, ..settings(&scene) };
+        let path_tracer = Settings { max_depth, ..settings(&scene) };
         let expected = render(&prepared, &path_tracer, 8);
         let film =
             render(&prepared, &Settings { integrator: IntegratorKind::Lvc, ..path_tracer }, 8);
@@ -193,7 +195,7 @@ fn without_a_cache_it_is_the_path_tracer() {
 #[test]
 fn an_empty_cache_is_no_trouble() {
     let mut scene = scenes::empty(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO);
-    let lamp = add_material(&mut scene, scenes::emissive(2.0, 0.0));
+    let lamp = scene.add_material(scenes::emissive(2.0, 0.0));
     add_quad(&mut scene, Vec3::new(-0.5, -0.5, 0.0), Vec3::X, Vec3::Y, lamp);
     let prepared = prepare(&scene);
     let expected = render(&prepared, &settings(&scene), 4);

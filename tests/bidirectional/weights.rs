@@ -1,7 +1,7 @@
 //! The weights of all techniques that could make a path, as the kernels find them from both its
 //! ends, against their definition, evaluated over all densities of the whole path.
 
-use super::common::scenes::{diffuse, glass, mirror};
+use super::common::materials::{diffuse, glass, mirror};
 use glam::{DVec3, Vec3};
 use raystream_shaders::integrator::lvc::mis::{
     Join, Subpath, TechniqueSamples, connection_weight, cosine, emission_weight, lambert,

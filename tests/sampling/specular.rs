@@ -1,6 +1,6 @@
 //! Mirrors and dielectrics, against Snell's law and Fresnel's formulas in double precision.
 
-use crate::common::scenes::{glass, mirror};
+use crate::common::materials::{glass, mirror};
 use crate::common::statistics::assert_chi_square;
 use crate::histogram::{SAMPLERS, histogram};
 use glam::{DVec3, Vec3};
