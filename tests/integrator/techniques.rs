@@ -3,9 +3,8 @@
 
 use glam::Vec3;
 use raystream::render::{Settings, Techniques};
-use raystream::scene::{FilmSize, Scene};
-use raystream_shaders::scene::bsdf::Material;
-use raystream_tests::scenes::{self, add_ball, add_box, add_material};
+use raystream::scene::{FilmSize, Material, Scene};
+use raystream_tests::scenes::{self, add_ball, add_box};
 use raystream_tests::statistics::assert_same_expectation;
 use raystream_tests::{prepare, render, settings};
 
@@ -22,15 +21,11 @@ fn white_materials() -> [(&'static str, Material); 4] {
 /// Two touching balls, lit from everywhere by radiance 1.
 fn furnace(material: Material) -> (Scene, Settings) {
     let mut scene = scenes::empty(Vec3::new(0.0, 0.3, 4.0), Vec3::ZERO);
-    let material = add_material(&mut scene, material);
+    let material = scene.add_material(material);
     add_ball(&mut scene, Vec3::new(-0.8, 0.0, 0.0), 0.8, 3, material);
     add_ball(&mut scene, Vec3::new(0.7, 0.1, 0.3), 0.6, 2, material);
-    let settings = Settings {
-        max_depth: 1000,
-        roulette_depth: 2000,
-        background: Vec3::ONE,
-        ..settings(&scene)
-    };
+    scene.background = Vec3::ONE;
+    let settings = Settings { max_depth: 1000, roulette_depth: 2000, ..settings(&scene) };
     (scene, settings)
 }
 
@@ -69,7 +64,7 @@ fn a_glowing_box_holds_its_radiance() {
     let reflectance = 0.6_f32;
     for techniques in [Techniques::Both, Techniques::LightSampling, Techniques::BsdfSampling] {
         let mut scene = scenes::empty(Vec3::new(0.3, 0.4, 0.1), Vec3::new(0.6, 0.5, 1.0));
-        let wall = add_material(&mut scene, scenes::emissive(1.0 - reflectance, reflectance));
+        let wall = scene.add_material(scenes::emissive(1.0 - reflectance, reflectance));
         add_box(&mut scene, Vec3::ZERO, Vec3::new(1.0, 1.2, 1.5), true, wall);
         for max_depth in [1, 2, 5] {
             let settings = Settings { techniques, max_depth, ..settings(&scene) };
@@ -185,14 +180,10 @@ fn a_closed_box_far_from_the_origin_leaks_nothing() {
         let mut scene =
             scenes::empty(low + Vec3::new(0.5, 0.5, 0.05), low + Vec3::new(0.5, 0.45, 1.0));
         scene.film = FilmSize { width: 33, height: 21 };
-        let wall = add_material(&mut scene, scenes::diffuse(1.0));
+        let wall = scene.add_material(scenes::diffuse(1.0));
         add_box(&mut scene, low, low + Vec3::ONE, true, wall);
-        let settings = Settings {
-            background: Vec3::ONE,
-            roulette_depth: 100,
-            max_depth: 50,
-            ..settings(&scene)
-        };
+        scene.background = Vec3::ONE;
+        let settings = Settings { roulette_depth: 100, max_depth: 50, ..settings(&scene) };
         let film = render(&prepare(&scene), &settings, 64);
         let lit = film.color().iter().filter(|c| c.max_element() > 0.0).count();
         assert_eq!(lit, 0, "pixels that see out of a box at {offset}");

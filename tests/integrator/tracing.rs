@@ -53,8 +53,8 @@ impl Case {
     pub fn with(mut self, change: impl FnOnce(&mut Settings)) -> Self {
         change(&mut self.settings);
         self.name += &format!(
-            ", max_depth {}, roulette from {}, background {}",
-            self.settings.max_depth, self.settings.roulette_depth, self.settings.background
+            ", max_depth {}, roulette from {}",
+            self.settings.max_depth, self.settings.roulette_depth
         );
         self
     }
@@ -133,9 +133,9 @@ pub fn cases(count: u32) -> Vec<Case> {
     };
     let room = |ball| sized(scenes::room(ball, 1.0), 19, 13);
     let mut open = scenes::empty(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO);
-    let ball = scenes::add_material(&mut open, scenes::diffuse(0.9));
+    let ball = open.add_material(scenes::diffuse(0.9));
     scenes::add_ball(&mut open, Vec3::ZERO, 1.0, 2, ball);
-    let unlit = Vec3::splat(0.7);
+    open.background = Vec3::splat(0.7);
     vec![
         Case::new("a ball of glass", room(scenes::glass(1.5)), count),
         Case::new("a ball of glass", room(scenes::glass(1.5)), count).scrambled(),
@@ -145,6 +145,6 @@ pub fn cases(count: u32) -> Vec<Case> {
         Case::new("a glowing ball", room(scenes::emissive(3.0, 0.5)), count)
             .with(|s| s.max_depth = 1),
         Case::new("a black ball", room(scenes::diffuse(0.0)), count).with(|s| s.max_depth = 2),
-        Case::new("a ball without a light", open, count).with(|s| s.background = unlit).scrambled(),
+        Case::new("a ball without a light", open, count).scrambled(),
     ]
 }

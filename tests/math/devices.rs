@@ -11,7 +11,7 @@ use raystream_tests::{prepare, render, render_on, scenes, settings, with_gpu};
 fn random_numbers_are_equal() {
     let mut scene = scenes::empty(Vec3::ZERO, Vec3::NEG_Z);
     scene.film = FilmSize { width: 16, height: 16 };
-    let wall = scenes::add_material(&mut scene, scenes::diffuse(0.5));
+    let wall = scene.add_material(scenes::diffuse(0.5));
     scenes::add_quad(&mut scene, Vec3::new(-4.0, -4.0, -1.0), Vec3::X * 8.0, Vec3::Y * 8.0, wall);
     let prepared = prepare(&scene);
     with_gpu(|gpu| {

@@ -32,7 +32,7 @@ fn expect_obj(text: &str, parts: &[&str]) {
 #[test]
 fn the_unchanged_scene_loads() {
     let scene = SceneFolder::new().load().unwrap();
-    assert_eq!(scene.triangles.len(), 4);
+    assert_eq!(scene.triangle_count(), 4);
     assert_eq!(scene.warnings, [""; 0]);
 }
 

@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 use raystream::render::PreparedScene;
+use raystream::scene::Material;
 use raystream_shaders::math::random::{CHOICES, INDEPENDENT, LIGHT_POINT, RandomNumbers};
-use raystream_shaders::scene::bsdf::Material;
 use raystream_shaders::scene::light::{Light, LightPoint, area_pdf, importance};
 use raystream_tests::histogram::{SAMPLERS, assert_uniform, cell, histogram, points};
-use raystream_tests::scenes::{self, add_material, add_quad, add_triangle};
+use raystream_tests::scenes::{self, add_quad, add_triangle};
 use raystream_tests::{prepare, statistics::assert_chi_square};
 
 const COUNT: u32 = 1 << 18;
@@ -16,7 +16,7 @@ const SIDE: usize = 12;
 /// Triangles of areas from 0.005 to 12 and of several colours, among others that do not emit.
 fn lamps() -> PreparedScene {
     let mut scene = scenes::empty(Vec3::ZERO, Vec3::NEG_Z);
-    let wall = add_material(&mut scene, scenes::diffuse(0.5));
+    let wall = scene.add_material(scenes::diffuse(0.5));
     add_quad(&mut scene, Vec3::new(-1.0, -1.0, -2.0), Vec3::X, Vec3::Y, wall);
     for (radiance, corners) in [
         (Vec3::new(1.0, 2.0, 3.0), [Vec3::ZERO, Vec3::X, Vec3::Y]),
@@ -35,7 +35,7 @@ fn lamps() -> PreparedScene {
         (Vec3::new(1e-3, 2e-3, 0.0), [Vec3::ZERO, Vec3::Z, Vec3::X]),
     ] {
         let material =
-            add_material(&mut scene, Material { emission: radiance, ..scenes::diffuse(0.1) });
+            scene.add_material(Material::Emissive { radiance, reflectance: Vec3::splat(0.1) });
         add_triangle(&mut scene, corners, material);
         add_triangle(&mut scene, corners.map(|corner| corner - Vec3::Z * 3.0), wall);
     }

@@ -1,10 +1,10 @@
 //! What good scenes become.
 
-use glam::Vec3;
-use raystream::scene::{FilmSize, PathLimits, Scene, embedded, load, load_named};
-use raystream_shaders::scene::bsdf::MaterialKind;
-use raystream_shaders::scene::texture::NO_TEXTURE;
-use raystream_shaders::scene::triangle::NO_ATTRIBUTES;
+use glam::{Vec2, Vec3};
+use raystream::scene::{
+    FilmSize, Material, PathLimits, QuadLight, Scene, Texture, TextureId, embedded, load,
+    load_named,
+};
 use raystream_tests::large_scenes;
 use raystream_tests::scene_folder::{MTL, SceneFolder};
 use serde_json::json;
@@ -18,34 +18,29 @@ fn loaded(folder: &SceneFolder) -> Scene {
 fn the_cornell_box() {
     let scene = embedded().unwrap();
     assert_eq!(scene.warnings, [""; 0]);
-    assert_eq!(scene.triangles.len(), 6262);
+    assert_eq!(scene.triangle_count(), 6262);
     assert_eq!(scene.film, FilmSize { width: 800, height: 600 });
     assert_eq!(scene.limits, PathLimits { max_depth: 8, roulette_depth: 5 });
     // white, green, red, light, ball: the order of the OBJ.
-    assert_eq!(
-        scene.materials.iter().map(|m| m.kind).collect::<Vec<_>>(),
-        [
-            MaterialKind::DIFFUSE,
-            MaterialKind::DIFFUSE,
-            MaterialKind::DIFFUSE,
-            MaterialKind::DIFFUSE,
-            MaterialKind::MIRROR
-        ]
-    );
-    assert_eq!(scene.materials[0].reflectance, Vec3::new(0.725, 0.71, 0.68));
-    assert_eq!(scene.materials[3].emission, Vec3::new(17.0, 12.0, 4.0));
-    assert_eq!(scene.materials[3].reflectance, Vec3::ZERO);
-    assert_eq!(scene.materials[4].reflectance, Vec3::splat(0.95));
-    assert_eq!(scene.triangles.iter().filter(|t| t.material == 3).count(), 2);
+    let [white, green, red, light, ball] = scene.materials[..] else { panic!("not five") };
+    assert_eq!(white, Material::diffuse(Vec3::new(0.725, 0.71, 0.68)));
+    for material in [green, red] {
+        assert!(matches!(material, Material::Diffuse { .. }), "{material:?}");
+    }
+    assert_eq!(light, Material::emissive(Vec3::new(17.0, 12.0, 4.0)));
+    assert_eq!(ball, Material::mirror(Vec3::splat(0.95)));
+    let of_light = scene.meshes.iter().filter(|mesh| mesh.material.0 == 3);
+    assert_eq!(of_light.map(|mesh| mesh.triangles.len()).sum::<usize>(), 2);
     // Only the ball has vn; they point away from its middle, as its triangles do.
     let middle = Vec3::new(0.683_453_2, 0.215_827_3, 0.629_496_4);
-    for triangle in &scene.triangles {
-        assert_eq!(triangle.attributes != NO_ATTRIBUTES, triangle.material == 4);
-        if triangle.material == 4 {
-            let normal = scene.attributes[triangle.attributes as usize].normal0;
+    for mesh in &scene.meshes {
+        assert_eq!(mesh.normals.is_some(), mesh.material.0 == 4);
+        assert_eq!(mesh.texture_coordinates, None);
+        for (triangle, [normal, ..]) in mesh.normals.iter().flatten().enumerate() {
+            let [a, b, c] = mesh.corners(triangle);
             assert!((normal.length() - 1.0).abs() < 1e-6);
-            assert!(normal.dot((triangle.corner - middle).normalize()) > 0.99);
-            assert!(triangle.normal().dot(normal) > 0.9);
+            assert!(normal.dot((a - middle).normalize()) > 0.99);
+            assert!((b - a).cross(c - a).normalize().dot(*normal) > 0.9);
         }
     }
 }
@@ -53,11 +48,9 @@ fn the_cornell_box() {
 #[test]
 fn the_glass_ball_differs_by_its_material_only() {
     let (mirror, glass) = (embedded().unwrap(), load_named("cornell_glass").unwrap());
-    assert_eq!(glass.triangles, mirror.triangles);
+    assert_eq!(glass.meshes, mirror.meshes);
     assert_eq!(glass.materials[..4], mirror.materials[..4]);
-    let ball = glass.materials[4];
-    assert_eq!((ball.kind, ball.ior), (MaterialKind::DIELECTRIC, 1.5));
-    assert_eq!((ball.reflectance, ball.transmittance), (Vec3::ONE, Vec3::ONE));
+    assert_eq!(glass.materials[4], Material::glass(1.5));
 }
 
 #[test]
@@ -65,7 +58,7 @@ fn the_shipped_files_are_what_is_built_in() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     for name in ["cornell_ball", "cornell_glass", "opening", "caustics"] {
         let from_disk = load(&folder.join(name).join(name).with_extension("json")).unwrap();
-        assert_eq!(from_disk.triangles, load_named(name).unwrap().triangles);
+        assert_eq!(from_disk, load_named(name).unwrap());
     }
 }
 
@@ -78,13 +71,13 @@ fn the_large_scenes() {
     {
         let path = folder.join(name).join(name).with_extension("json");
         let scene = load(&path).unwrap();
-        assert_eq!(scene.triangles.len(), triangles, "{name}");
-        let with_texture = |material: u32| scene.materials[material as usize].texture != NO_TEXTURE;
-        assert_eq!(
-            scene.triangles.iter().filter(|t| with_texture(t.material)).count(),
-            textured,
-            "{name}"
-        );
+        assert_eq!(scene.triangle_count(), triangles, "{name}");
+        let with_texture = scene
+            .meshes
+            .iter()
+            .filter(|mesh| scene.materials[mesh.material.0 as usize].texture().is_some());
+        let with_texture: usize = with_texture.map(|mesh| mesh.triangles.len()).sum();
+        assert_eq!(with_texture, textured, "{name}");
     }
 }
 
@@ -104,19 +97,17 @@ fn material_rules() {
             .with("a.mtl", mtl)
             .json(|scene| scene["materials"] = json!({"replaced": rule})),
     );
-    let m = &scene.materials;
-    assert_eq!(
-        (m[0].kind, m[0].emission, m[0].reflectance),
-        (MaterialKind::DIFFUSE, Vec3::Y * 5.0, Vec3::new(0.1, 0.2, 0.3))
-    );
-    assert_eq!((m[1].kind, m[1].reflectance), (MaterialKind::MIRROR, Vec3::new(0.9, 0.8, 0.7)));
-    assert_eq!(
-        (m[2].kind, m[2].ior, m[2].transmittance),
-        (MaterialKind::DIELECTRIC, 1.33, Vec3::ONE)
-    );
-    assert_eq!((m[3].kind, m[3].reflectance), (MaterialKind::DIFFUSE, Vec3::splat(0.25)));
-    assert_eq!((m[4].kind, m[4].reflectance), (MaterialKind::DIFFUSE, Vec3::splat(0.5)));
-    assert_eq!((m[5].emission, m[5].reflectance), (Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO));
+    let light =
+        Material::Emissive { radiance: Vec3::Y * 5.0, reflectance: Vec3::new(0.1, 0.2, 0.3) };
+    let expected = [
+        light,
+        Material::mirror(Vec3::new(0.9, 0.8, 0.7)),
+        Material::glass(1.33),
+        Material::diffuse(Vec3::splat(0.25)),
+        Material::diffuse(Vec3::splat(0.5)),
+        Material::emissive(Vec3::new(1.0, 2.0, 3.0)),
+    ];
+    assert_eq!(scene.materials, expected);
     assert_eq!(scene.warnings.len(), 1);
     assert!(scene.warnings[0].contains("`absent`"), "{:?}", scene.warnings);
 }
@@ -126,11 +117,8 @@ fn overrides_match_without_any_mtl() {
     let rule = json!({"red wall": {"type": "mirror", "reflectance": [1, 0.5, 0]}, "plain": {"type": "null"}});
     let folder = SceneFolder::new().without("a.mtl").json(|scene| scene["materials"] = rule);
     let scene = loaded(&folder);
-    assert_eq!(scene.triangles.len(), 1 + 2);
-    assert_eq!(
-        (scene.materials[0].kind, scene.materials[0].reflectance),
-        (MaterialKind::MIRROR, Vec3::new(1.0, 0.5, 0.0))
-    );
+    assert_eq!(scene.triangle_count(), 1 + 2);
+    assert_eq!(scene.materials, [Material::mirror(Vec3::new(1.0, 0.5, 0.0))]);
     assert!(
         scene.warnings.iter().any(|w| w.contains("a.obj") && w.contains("`a.mtl`")),
         "{:?}",
@@ -147,15 +135,16 @@ fn textures_of_json_and_mtl() {
         .unwrap();
     let scene = loaded(&folder);
     assert_eq!(scene.warnings, [""; 0]);
-    let texture = scene.materials[1].texture as usize;
-    assert_eq!(scene.texels[texture..], [2, 1, 0xff00_00ff, 0xff00_00ff]);
-    let a = scene.attributes[scene.triangles[1].attributes as usize];
-    assert_eq!([a.u0, a.v0, a.u1, a.v1, a.u2, a.v2], [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
-    assert_eq!(a.normal0, Vec3::ZERO);
+    assert_eq!(scene.materials[1], Material::textured(TextureId(0)));
+    let texels = vec![[255, 0, 0, 255]; 2];
+    assert_eq!(scene.textures, [Texture { width: 2, height: 1, texels }]);
+    let expected = vec![[Vec2::ZERO, Vec2::X, Vec2::Y]];
+    assert_eq!(scene.meshes[1].texture_coordinates, Some(expected));
+    assert_eq!(scene.meshes[1].normals, None);
 
     let missing = SceneFolder::new().with("a.mtl", format!("{MTL}map_Kd gone.png"));
     let scene = loaded(&missing);
-    assert_eq!((scene.materials[1].texture, scene.materials[1].reflectance), (NO_TEXTURE, Vec3::X));
+    assert_eq!(scene.materials[1], Material::diffuse(Vec3::X));
     assert!(
         scene.warnings[0].contains("a.mtl") && scene.warnings[0].contains("gone.png"),
         "{:?}",
@@ -170,10 +159,9 @@ fn smooth_normals_need_one_at_every_corner_of_the_material() {
     let folder =
         SceneFolder::new().with("a.obj", obj).json(|scene| scene["normals"] = json!("smooth"));
     let scene = loaded(&folder);
-    assert_eq!(scene.attributes.len(), 1);
-    assert_eq!(scene.triangles[0].attributes, 0);
-    assert_eq!([scene.attributes[0].normal0, scene.attributes[0].normal1], [Vec3::Z, Vec3::ZERO]);
-    assert_eq!(loaded(&folder.json(|_| ())).attributes.len(), 0);
+    assert_eq!(scene.meshes[0].normals, Some(vec![[Vec3::Z, Vec3::ZERO, Vec3::Z]]));
+    assert_eq!(scene.meshes[1].normals, None);
+    assert!(loaded(&folder.json(|_| ())).meshes.iter().all(|mesh| mesh.normals.is_none()));
 }
 
 #[test]
@@ -181,14 +169,14 @@ fn triangles_that_are_dropped_are_counted() {
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv -0 1 0\nusemtl plain\nf 1 2 3\nf 1 2 4\nf 1 1 3\nf 2 5 1\n";
     let folder = SceneFolder::new().with("a.obj", obj);
     let scene = loaded(&folder);
-    assert_eq!(scene.triangles.len(), 2 + 2);
+    assert_eq!(scene.triangle_count(), 2 + 2);
     assert!(
         scene.warnings.iter().any(|w| w.contains("2 triangles without area")),
         "{:?}",
         scene.warnings
     );
     let scene = loaded(&folder.json(|scene| scene["dedupe"] = json!(true)));
-    assert_eq!(scene.triangles.len(), 1 + 2);
+    assert_eq!(scene.triangle_count(), 1 + 2);
     assert!(
         scene.warnings.iter().any(|w| w.contains("1 triangles with the corners")),
         "{:?}",
@@ -199,18 +187,16 @@ fn triangles_that_are_dropped_are_counted() {
 #[test]
 fn quads_face_the_side_of_the_cross_product() {
     let scene = loaded(&SceneFolder::new());
-    let quad = &scene.triangles[2..];
-    assert_eq!(quad.iter().map(|t| t.normal()).collect::<Vec<_>>(), [Vec3::Z, Vec3::Z]);
+    let at = |x: f32, y: f32| Vec3::new(x, y, 3.0);
+    let light = QuadLight::new(at(0.0, 0.0), Vec3::X, Vec3::Y, Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!(scene.quad_lights, [light]);
     assert_eq!(
-        [quad[0].corner + quad[0].edge1, quad[0].corner + quad[0].edge2],
-        [Vec3::new(1.0, 0.0, 3.0), Vec3::new(1.0, 1.0, 3.0)]
+        light.triangles(),
+        [[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0)], [at(0.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)]]
     );
-    assert_eq!(
-        [quad[1].corner + quad[1].edge1, quad[1].corner + quad[1].edge2],
-        [Vec3::new(1.0, 1.0, 3.0), Vec3::new(0.0, 1.0, 3.0)]
-    );
-    let material = scene.materials[quad[0].material as usize];
-    assert_eq!((material.emission, material.reflectance), (Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO));
+    for [a, b, c] in light.triangles() {
+        assert_eq!((b - a).cross(c - a), Vec3::Z);
+    }
 }
 
 #[test]
@@ -230,5 +216,5 @@ fn about_may_be_anything_and_variables_are_expanded() {
         scene["about"] = json!({"anything": [1, {"x": null}]});
         scene["obj"] = json!("${CARGO_MANIFEST_DIR}/../scenes/Cornell_Ball/CORNELL_BALL.obj");
     }));
-    assert_eq!(scene.triangles.len(), 6262 + 2);
+    assert_eq!(scene.triangle_count(), 6262 + 2);
 }

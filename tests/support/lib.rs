@@ -4,6 +4,7 @@ pub mod devices;
 pub mod executors;
 pub mod histogram;
 pub mod large_scenes;
+pub mod materials;
 pub mod renders;
 pub mod scene_folder;
 pub mod scenes;

@@ -29,7 +29,7 @@ pub fn render(scene: &PreparedScene, settings: &Settings, samples: u32) -> Film 
 
 /// Builds the scene's BVH and lights.
 pub fn prepare(scene: &Scene) -> PreparedScene {
-    PreparedScene::new(scene.clone(), BvhQuality::Fast).expect("the scene is small")
+    PreparedScene::new(scene, BvhQuality::Fast).expect("the scene is small")
 }
 
 /// The scene's own settings, with independent random numbers: then standard errors mean what they
@@ -42,7 +42,6 @@ pub fn settings(scene: &Scene) -> Settings {
         max_depth: scene.limits.max_depth,
         roulette_depth: scene.limits.roulette_depth,
         techniques: Techniques::Both,
-        background: glam::Vec3::ZERO,
         ray_offset: raystream_shaders::scene::ray::OFFSET_ROUNDINGS,
         sampling: Sampling::UNIFORM,
         integrator: IntegratorKind::Megakernel,

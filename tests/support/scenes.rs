@@ -1,81 +1,55 @@
 //! Small scenes, made in place.
 
 use glam::Vec3;
-use raystream::scene::{CameraSettings, FilmSize, PathLimits, Scene};
-use raystream_shaders::scene::bsdf::{Material, MaterialKind};
-use raystream_shaders::scene::texture::NO_TEXTURE;
-use raystream_shaders::scene::triangle::Attributes;
-use raystream_shaders::scene::triangle::{NO_ATTRIBUTES, Triangle};
-use std::ops::Range;
+use raystream::scene::{Camera, FilmSize, Material, MaterialId, Mesh, Scene};
 
 /// Lambert's law.
 pub fn diffuse(reflectance: f32) -> Material {
-    Material {
-        reflectance: Vec3::splat(reflectance),
-        kind: MaterialKind::DIFFUSE,
-        emission: Vec3::ZERO,
-        texture: NO_TEXTURE,
-        transmittance: Vec3::ONE,
-        ior: 1.0,
-    }
+    Material::diffuse(Vec3::splat(reflectance))
 }
 
 /// Lambert's law on both sides and emission from the front.
 pub fn emissive(radiance: f32, reflectance: f32) -> Material {
-    Material { emission: Vec3::splat(radiance), ..diffuse(reflectance) }
+    let [radiance, reflectance] = [radiance, reflectance].map(Vec3::splat);
+    Material::Emissive { radiance, reflectance }
 }
 
 /// An ideal mirror.
 pub fn mirror(reflectance: f32) -> Material {
-    Material { kind: MaterialKind::MIRROR, ..diffuse(reflectance) }
+    Material::mirror(Vec3::splat(reflectance))
 }
 
 /// Clear glass.
 pub fn glass(ior: f32) -> Material {
-    Material { kind: MaterialKind::DIELECTRIC, ior, ..diffuse(1.0) }
+    Material::glass(ior)
 }
 
 /// An empty scene of 16x12 pixels with a camera at `origin` that looks at `target`.
 pub fn empty(origin: Vec3, target: Vec3) -> Scene {
-    Scene {
-        name: "test".into(),
-        film: FilmSize { width: 16, height: 12 },
-        camera: CameraSettings { origin, target, up: Vec3::Y, fov_y: 40.0 },
-        limits: PathLimits { max_depth: 8, roulette_depth: 5 },
-        triangles: Vec::new(),
-        attributes: Vec::new(),
-        materials: Vec::new(),
-        texels: vec![0; 256],
-        warnings: Vec::new(),
+    Scene::new(Camera::new(origin, target, 40.0), FilmSize { width: 16, height: 12 })
+}
+
+/// Adds a triangle whose front is the side from which its corners run counter-clockwise: to the
+/// last mesh if that is of the same material, and flat.
+pub fn add_triangle(scene: &mut Scene, corners: [Vec3; 3], material: MaterialId) {
+    let fits = |mesh: &Mesh| mesh.material == material && mesh.normals.is_none();
+    if !scene.meshes.last().is_some_and(fits) {
+        scene.add_mesh(Mesh::new(material, Vec::new(), Vec::new()));
     }
-}
-
-/// Adds a material; its index.
-pub fn add_material(scene: &mut Scene, material: Material) -> u32 {
-    scene.materials.push(material);
-    scene.materials.len() as u32 - 1
-}
-
-/// Adds a triangle whose front is the side from which its corners run counter-clockwise.
-pub fn add_triangle(scene: &mut Scene, corners: [Vec3; 3], material: u32) {
-    let [corner, b, c] = corners;
-    scene.triangles.push(Triangle {
-        corner,
-        edge1: b - corner,
-        edge2: c - corner,
-        material,
-        attributes: NO_ATTRIBUTES,
-    });
+    let mesh = scene.meshes.last_mut().expect("one was added");
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend(corners);
+    mesh.triangles.push([first, first + 1, first + 2]);
 }
 
 /// Adds a parallelogram whose front is the side of `cross(u, v)`.
-pub fn add_quad(scene: &mut Scene, corner: Vec3, u: Vec3, v: Vec3, material: u32) {
+pub fn add_quad(scene: &mut Scene, corner: Vec3, u: Vec3, v: Vec3, material: MaterialId) {
     add_triangle(scene, [corner, corner + u, corner + u + v], material);
     add_triangle(scene, [corner, corner + u + v, corner + v], material);
 }
 
 /// Adds the box between two corners, its fronts outwards, or inwards if `inwards`.
-pub fn add_box(scene: &mut Scene, low: Vec3, high: Vec3, inwards: bool, material: u32) {
+pub fn add_box(scene: &mut Scene, low: Vec3, high: Vec3, inwards: bool, material: MaterialId) {
     for axis in 0..3 {
         let along = |axis: usize| Vec3::AXES[axis % 3] * (high - low)[axis % 3];
         let (u, v) = (along(axis + 1), along(axis + 2));
@@ -87,7 +61,13 @@ pub fn add_box(scene: &mut Scene, low: Vec3, high: Vec3, inwards: bool, material
 
 /// Adds a closed, convex ball of flat triangles, subdivided from an octahedron, its fronts
 /// outwards.
-pub fn add_ball(scene: &mut Scene, centre: Vec3, radius: f32, subdivisions: u32, material: u32) {
+pub fn add_ball(
+    scene: &mut Scene,
+    centre: Vec3,
+    radius: f32,
+    subdivisions: u32,
+    material: MaterialId,
+) {
     let mut faces: Vec<[Vec3; 3]> = (0..8)
         .map(|octant: u32| {
             let sign = |bit: u32| if octant >> bit & 1 == 0 { 1.0 } else { -1.0 };
@@ -109,32 +89,22 @@ pub fn add_ball(scene: &mut Scene, centre: Vec3, radius: f32, subdivisions: u32,
     }
 }
 
-/// Makes these triangles smooth, with normals away from `centre`.
-pub fn smooth(scene: &mut Scene, triangles: Range<usize>, centre: Vec3) {
-    for triangle in &mut scene.triangles[triangles] {
-        let normal = |edge: Vec3| (triangle.corner + edge - centre).normalize();
-        triangle.attributes = scene.attributes.len() as u32;
-        scene.attributes.push(Attributes {
-            normal0: normal(Vec3::ZERO),
-            normal1: normal(triangle.edge1),
-            normal2: normal(triangle.edge2),
-            ..Attributes::default()
-        });
-    }
+/// Makes a mesh smooth, with normals away from `centre`.
+fn smooth(mesh: &mut Mesh, centre: Vec3) {
+    let normals = (0..mesh.triangles.len())
+        .map(|triangle| mesh.corners(triangle).map(|corner| (corner - centre).normalize()));
+    mesh.normals = Some(normals.collect());
 }
 
 /// The [`room`] with a ball of so few triangles, but smooth normals, that shading normals are far
 /// from those of the triangles.
 pub fn smooth_room(ball: Material) -> Scene {
     let mut scene = room(ball, 1.0);
-    // The ball is what the room ends with, 512 triangles.
-    let first = scene.triangles.len() - 512;
-    let material = scene.triangles[first].material;
-    scene.triangles.truncate(first);
+    // The ball is what the room ends with.
+    let ball = scene.meshes.pop().expect("there is a ball").material;
     let centre = Vec3::new(0.68, 0.22, 0.6);
-    add_ball(&mut scene, centre, 0.2, 1, material);
-    let last = scene.triangles.len();
-    smooth(&mut scene, first..last, centre);
+    add_ball(&mut scene, centre, 0.2, 1, ball);
+    smooth(scene.meshes.last_mut().expect("a ball was added"), centre);
     scene
 }
 
@@ -143,7 +113,7 @@ pub fn smooth_room(ball: Material) -> Scene {
 pub fn smooth_walls(ball: Material) -> Scene {
     let mut scene = room(ball, 1.0);
     // They are what the room begins with.
-    smooth(&mut scene, 0..12, Vec3::splat(0.5));
+    smooth(&mut scene.meshes[0], Vec3::splat(0.5));
     scene
 }
 
@@ -151,9 +121,9 @@ pub fn smooth_walls(ball: Material) -> Scene {
 pub fn glowing_smooth_box() -> Scene {
     let high = Vec3::new(1.0, 1.2, 1.5);
     let mut scene = empty(Vec3::new(0.3, 0.4, 0.1), Vec3::new(0.6, 0.5, 1.0));
-    let wall = add_material(&mut scene, emissive(0.3, 0.9));
+    let wall = scene.add_material(emissive(0.3, 0.9));
     add_box(&mut scene, Vec3::ZERO, high, true, wall);
-    smooth(&mut scene, 0..12, high * 0.5);
+    smooth(&mut scene.meshes[0], high * 0.5);
     scene
 }
 
@@ -163,13 +133,10 @@ pub fn room(ball: Material, scale: f32) -> Scene {
     let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale;
     let mut scene = empty(at(0.5, 0.5, 0.05), at(0.5, 0.45, 1.0));
     scene.camera.fov_y = 70.0;
-    let walls = add_material(&mut scene, diffuse(0.6));
-    let lamp = add_material(&mut scene, emissive(12.0, 0.3));
-    let block = add_material(
-        &mut scene,
-        Material { reflectance: Vec3::new(0.7, 0.3, 0.2), ..diffuse(0.0) },
-    );
-    let ball = add_material(&mut scene, ball);
+    let walls = scene.add_material(diffuse(0.6));
+    let lamp = scene.add_material(emissive(12.0, 0.3));
+    let block = scene.add_material(Material::diffuse(Vec3::new(0.7, 0.3, 0.2)));
+    let ball = scene.add_material(ball);
     add_box(&mut scene, Vec3::ZERO, at(1.0, 1.0, 1.0), true, walls);
     add_quad(&mut scene, at(0.35, 0.98, 0.4), at(0.3, 0.0, 0.0), at(0.0, 0.0, 0.3), lamp);
     add_box(&mut scene, at(0.15, 0.0, 0.55), at(0.4, 0.35, 0.8), false, block);

@@ -99,7 +99,7 @@ impl CommonArguments {
             print_line(&format!(
                 "{}, {} triangles, {}x{}, max_depth {}, on {}",
                 scene.name,
-                scene.triangles.len(),
+                scene.triangle_count(),
                 settings.size.width,
                 settings.size.height,
                 settings.max_depth,

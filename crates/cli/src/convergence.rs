@@ -220,7 +220,7 @@ impl ConvergenceArguments {
     ) -> Result<SceneReport, CliError> {
         let Loaded { label, scene, settings } = loaded;
         let folder = output.folder(&label)?;
-        self.tell(&format!("{label}: {} triangles, on {}", scene.triangles.len(), device.name()));
+        self.tell(&format!("{label}: {} triangles, on {}", scene.triangle_count(), device.name()));
         let about = self.about(&label, &scene, &settings, device);
         let samples = self.reference_spp.unwrap_or(REFERENCE_FACTOR as u32 * self.spp);
         let reference_settings = Reference::settings(&settings, self.reference_integrator());

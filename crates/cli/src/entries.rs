@@ -81,7 +81,7 @@ pub fn facts(
     let named = |(name, value): (&str, String)| (name.to_owned(), value);
     let scene = [
         ("device", device.name()),
-        ("triangles", scene.triangles.len().to_string()),
+        ("triangles", scene.triangle_count().to_string()),
         ("size", format!("{}x{}", size.width, size.height)),
     ];
     let mut facts: Vec<_> = scene.into_iter().chain(plan).map(named).collect();

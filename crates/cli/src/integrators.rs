@@ -114,7 +114,7 @@ impl IntegratorsArguments {
     ) -> Result<SceneReport, CliError> {
         let Loaded { label, scene, settings } = loaded;
         let folder = output.folder(&label)?;
-        self.tell(&format!("{label}: {} triangles, on {}", scene.triangles.len(), device.name()));
+        self.tell(&format!("{label}: {} triangles, on {}", scene.triangle_count(), device.name()));
         let plan = [
             ("seconds", self.time.as_secs_f64().to_string()),
             ("repetitions", self.repetitions.to_string()),

@@ -4,7 +4,6 @@ use super::choices::choice;
 use super::output::say;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
-use glam::Vec3;
 use raystream::exec::ExecError;
 use raystream::exec::device::{Device, OpenOptions};
 use raystream::render::{
@@ -125,7 +124,6 @@ impl SettingsArguments {
             max_depth: self.max_depth.unwrap_or(scene.limits.max_depth),
             roulette_depth: self.rr_depth.unwrap_or(scene.limits.roulette_depth),
             techniques: Techniques::Both,
-            background: Vec3::ZERO,
             ray_offset: self.ray_offset,
             sampling: Sampling::UNIFORM,
             integrator: self.integrator,
@@ -139,7 +137,7 @@ impl SettingsArguments {
 
     /// Builds the scene's BVH and lights.
     pub fn prepare(&self, scene: Scene) -> Result<PreparedScene, RenderError> {
-        PreparedScene::new(scene, self.bvh)
+        PreparedScene::new(&scene, self.bvh)
     }
 
     /// The settings as pairs of name and value, for a picture's header.

@@ -90,7 +90,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     say(format!(
         "{}: {} triangles, {}x{} pixels, on {}",
         scene.name,
-        scene.triangles.len(),
+        scene.triangle_count(),
         settings.size.width,
         settings.size.height,
         device.name()

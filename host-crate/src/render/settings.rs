@@ -6,7 +6,6 @@ use super::scene::PreparedScene;
 use super::scene::camera::camera;
 use crate::names::named;
 use crate::scene::FilmSize;
-use glam::Vec3;
 use raystream_shaders::integrator::params::{self, PathParams};
 use raystream_shaders::math::random;
 use raystream_shaders::scene::SceneParams;
@@ -28,8 +27,6 @@ pub struct Settings {
     pub roulette_depth: u32,
     /// How path tracers look for light; `lvc` goes by [`LightCacheSettings::techniques`].
     pub techniques: Techniques,
-    /// Radiance from where there is no surface, linear Rec.709.
-    pub background: Vec3,
     /// How far rays start from surfaces, in roundings of the surface's largest coordinate (2^-24 of
     /// it each): enough that no surface shades itself, and no more, since what is smaller than this
     /// distance casts no shadow.
@@ -125,11 +122,7 @@ impl PreparedScene {
                 Techniques::BsdfSampling => params::BSDF_SAMPLING_ALONE,
             },
             camera: camera(&self.camera, settings.size),
-            scene: SceneParams {
-                background: settings.background,
-                offset_roundings: settings.ray_offset,
-                ..self.params
-            },
+            scene: SceneParams { offset_roundings: settings.ray_offset, ..self.params },
             pad0: 0,
             pad1: 0,
         }

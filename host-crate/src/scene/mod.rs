@@ -1,92 +1,51 @@
-//! Scenes as the renderer takes them, and the loader of scene files (format 1).
+//! Scenes as plain data, and the loaders that end there.
+//!
+//! A [`Scene`] is loaded from a [file](load), from one of those that [ship](load_named), or built
+//! in code:
+//!
+//! ```
+//! use glam::Vec3;
+//! use raystream::scene::{Camera, FilmSize, Material, Mesh, QuadLight, Scene};
+//!
+//! let camera = Camera::new(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 40.0);
+//! let mut scene = Scene::new(camera, FilmSize { width: 320, height: 240 });
+//! let grey = scene.add_material(Material::diffuse(Vec3::splat(0.5)));
+//! let floor = [(-2.0, 2.0), (2.0, 2.0), (2.0, -2.0), (-2.0, -2.0)];
+//! let floor = floor.map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec();
+//! scene.add_mesh(Mesh::new(grey, floor, vec![[0, 1, 2], [0, 2, 3]]));
+//! let corner = Vec3::new(-0.5, 3.0, -0.5);
+//! scene.add_quad_light(QuadLight::new(corner, Vec3::X, Vec3::Z, Vec3::splat(10.0)));
+//! scene.check()?;
+//! # Ok::<(), raystream::scene::InvalidScene>(())
+//! ```
 
+mod bounds;
+mod camera;
+mod check;
+mod description;
 mod error;
-mod format;
-mod geometry;
-mod load;
-mod mtl;
+mod film;
+mod json;
+mod light;
+mod limits;
+mod material;
+pub(crate) mod mesh;
 mod obj;
-mod obj_text;
+mod picture;
 mod rule;
 mod shipped;
 mod source;
 mod texture;
-mod values;
 
+pub use camera::Camera;
+pub use check::InvalidScene;
+pub use description::Scene;
 pub use error::SceneError;
-pub use load::load;
+pub use film::FilmSize;
+pub use json::load;
+pub use light::QuadLight;
+pub use limits::PathLimits;
+pub use material::{Material, MaterialId, Reflectance};
+pub use mesh::Mesh;
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, embedded, load_named, shipped};
-
-use glam::Vec3;
-use raystream_shaders::scene::bsdf::Material;
-use raystream_shaders::scene::triangle::Attributes;
-use raystream_shaders::scene::triangle::Triangle;
-
-/// A scene, loaded and checked: every index is in range, every number finite, every triangle has an
-/// area.
-#[derive(Clone, Debug)]
-pub struct Scene {
-    /// What the scene file calls it.
-    pub name: String,
-    /// Picture size in pixels, at least 1x1.
-    pub film: FilmSize,
-    /// The camera.
-    pub camera: CameraSettings,
-    /// How long paths may be.
-    pub limits: PathLimits,
-    /// All triangles, quads included as two each, null materials left out. May be empty.
-    pub triangles: Vec<Triangle>,
-    /// Corner normals and texture coordinates; [`Triangle::attributes`] points here.
-    pub attributes: Vec<Attributes>,
-    /// The materials; [`Triangle::material`] points here.
-    pub materials: Vec<Material>,
-    /// The textures, in the layout of [`raystream_shaders::scene::texture`]; [`Material::texture`]
-    /// points here.
-    pub texels: Vec<u32>,
-    /// What the user should know of (no light, dropped triangles ...), one sentence each.
-    pub warnings: Vec<String>,
-}
-
-/// Picture size in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FilmSize {
-    /// Width, at least 1.
-    pub width: u32,
-    /// Height, at least 1.
-    pub height: u32,
-}
-
-impl FilmSize {
-    /// A size of `width` by `height` pixels.
-    ///
-    /// # Errors
-    /// A sentence that names the limit, if a side is zero, negative or too large.
-    pub fn new(width: i64, height: i64) -> Result<Self, String> {
-        let side = |name, value| {
-            values::FilmSide::try_from(value).map_err(|error| format!("the {name} {error}"))
-        };
-        Ok(Self { width: side("width", width)?.0, height: side("height", height)?.0 })
-    }
-}
-
-/// A pinhole camera as a scene file gives it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraSettings {
-    /// The pinhole, in world units.
-    pub origin: Vec3,
-    /// A point in the middle of the picture; differs from `origin`.
-    pub target: Vec3,
-    /// Upwards in the picture; not parallel to the view.
-    pub up: Vec3,
-    /// Vertical angle of view in degrees, in (0, 180).
-    pub fov_y: f32,
-}
-
-/// How long paths may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PathLimits {
-    /// Longest path in segments, at least 1: 1 sees only what emits, 2 direct light as well.
-    pub max_depth: u32,
-    /// Segment after which Russian roulette may end a path, at least 1.
-    pub roulette_depth: u32,
-}
+pub use texture::{Texture, TextureId};

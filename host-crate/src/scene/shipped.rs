@@ -1,8 +1,9 @@
 //! The scenes that ship with the program.
 
-use super::load::load_from;
+use super::description::Scene;
+use super::error::SceneError;
+use super::json::load_from;
 use super::source::{Disk, Source};
-use super::{Scene, SceneError};
 use std::path::{Component, Path, PathBuf};
 
 /// A scene that ships, called by its name.

@@ -1,6 +1,6 @@
 //! Where a scene's files come from: the disk, or the program itself.
 
-use super::SceneError;
+use super::error::SceneError;
 use std::path::{Component, Path, PathBuf};
 
 /// A place that files are read from.

@@ -12,7 +12,7 @@ use raystream::render::BidirectionalTechniques::{
 };
 use raystream::render::{LightCacheSettings, PreparedScene, Settings};
 use raystream::scene::{FilmSize, Scene, load, load_named};
-use raystream_tests::scenes::{self, add_ball, add_box, add_material, add_quad};
+use raystream_tests::scenes::{self, add_ball, add_box, add_quad};
 use raystream_tests::statistics::assert_rounds_have_expectation;
 use raystream_tests::{large_scenes, prepare, render, settings, with_gpu};
 
@@ -108,7 +108,7 @@ fn smooth_normals() {
 #[test]
 fn a_ball_in_a_block_of_glass() {
     let mut scene = scenes::room(scenes::diffuse(0.8), 1.0);
-    let glass = add_material(&mut scene, scenes::glass(1.5));
+    let glass = scene.add_material(scenes::glass(1.5));
     add_box(&mut scene, Vec3::new(0.44, 0.01, 0.36), Vec3::new(0.92, 0.46, 0.84), false, glass);
     assert_agreement(&scene, 8192, "a ball in glass");
 }
@@ -117,23 +117,16 @@ fn a_ball_in_a_block_of_glass() {
 #[test]
 fn a_lamp_in_the_open() {
     let mut scene = scenes::empty(Vec3::new(0.0, 1.0, 4.0), Vec3::new(0.0, 0.3, 0.0));
-    let ground = add_material(&mut scene, scenes::diffuse(0.7));
-    let lamp = add_material(&mut scene, scenes::emissive(9.0, 0.4));
+    let ground = scene.add_material(scenes::diffuse(0.7));
+    let lamp = scene.add_material(scenes::emissive(9.0, 0.4));
     add_quad(&mut scene, Vec3::new(-3.0, 0.0, 3.0), Vec3::X * 6.0, Vec3::NEG_Z * 6.0, ground);
     add_ball(&mut scene, Vec3::new(-0.4, 0.5, 0.0), 0.5, 2, ground);
     add_quad(&mut scene, Vec3::new(0.6, 0.2, -0.5), Vec3::Z, Vec3::new(0.3, 0.8, 0.0), lamp);
-    let prepared = prepare(&scene);
     // Sums of these do not round.
-    let background = Vec3::new(0.125, 0.25, 0.5);
-    let expected =
-        render(&prepared, &Settings { seed: 1000, background, ..settings(&scene) }, 2048);
-    let pictures = rounds(
-        &CpuExecutor,
-        &prepared,
-        &Settings { background, ..lvc(&scene, LIGHT_PATHS) },
-        ROUNDS,
-        SAMPLES,
-    );
+    scene.background = Vec3::new(0.125, 0.25, 0.5);
+    let prepared = prepare(&scene);
+    let expected = render(&prepared, &Settings { seed: 1000, ..settings(&scene) }, 2048);
+    let pictures = rounds(&CpuExecutor, &prepared, &lvc(&scene, LIGHT_PATHS), ROUNDS, SAMPLES);
     assert_rounds_have_expectation(&expected, &pictures, "a lamp in the open");
 }
 
@@ -143,7 +136,7 @@ fn a_lamp_in_the_open() {
 fn a_glowing_box_holds_its_radiance() {
     let reflectance = 0.6_f32;
     let mut scene = scenes::empty(Vec3::new(0.3, 0.4, 0.1), Vec3::new(0.6, 0.5, 1.0));
-    let wall = add_material(&mut scene, scenes::emissive(1.0 - reflectance, reflectance));
+    let wall = scene.add_material(scenes::emissive(1.0 - reflectance, reflectance));
     add_box(&mut scene, Vec3::ZERO, Vec3::new(1.0, 1.2, 1.5), true, wall);
     let prepared = prepare(&scene);
     for techniques in [

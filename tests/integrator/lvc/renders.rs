@@ -11,7 +11,7 @@ use raystream::render::{
 };
 use raystream::scene::{FilmSize, Scene};
 use raystream_tests::executors::Hindered;
-use raystream_tests::scenes::{self, add_material, add_quad};
+use raystream_tests::scenes::{self, add_quad};
 use raystream_tests::{prepare, render, render_on, settings, with_gpu};
 
 /// The scene's own settings, with this many light paths a round.
@@ -100,13 +100,14 @@ fn a_render_is_repeatable() {
 /// roulette, their weights.
 #[test]
 fn without_connections_it_is_the_path_tracer() {
-    for (name, scene) in [
+    for (name, mut scene) in [
         ("glass", scenes::room(scenes::glass(1.5), 1.0)),
         ("smooth", scenes::smooth_room(scenes::diffuse(0.7))),
         ("mirror", scenes::smooth_room(scenes::mirror(0.9))),
     ] {
+        scene.background = Vec3::new(0.1, 0.2, 0.3);
         let prepared = prepare(&scene);
-        let path_tracer = Settings { background: Vec3::new(0.1, 0.2, 0.3), ..settings(&scene) };
+        let path_tracer = settings(&scene);
         let expected = render(&prepared, &path_tracer, 32);
         let techniques = BidirectionalTechniques::WithoutConnections;
         let light_cache = LightCacheSettings { techniques, ..Default::default() };
@@ -134,11 +135,12 @@ fn without_connections_it_is_the_path_tracer() {
 #[test]
 fn without_a_cache_it_is_the_path_tracer() {
     let mut dark = scenes::empty(Vec3::new(0.0, 0.3, 4.0), Vec3::ZERO);
-    let white = add_material(&mut dark, scenes::diffuse(0.8));
+    let white = dark.add_material(scenes::diffuse(0.8));
     scenes::add_ball(&mut dark, Vec3::ZERO, 1.0, 2, white);
-    for (scene, max_depth) in [(dark, 20), (scenes::room(scenes::mirror(0.9), 1.0), 2)] {
+    for (mut scene, max_depth) in [(dark, 20), (scenes::room(scenes::mirror(0.9), 1.0), 2)] {
+        scene.background = Vec3::ONE;
         let prepared = prepare(&scene);
-        let path_tracer = Settings { background: Vec3::ONE, max_depth, ..settings(&scene) };
+        let path_tracer = Settings { max_depth, ..settings(&scene) };
         let expected = render(&prepared, &path_tracer, 8);
         let film =
             render(&prepared, &Settings { integrator: IntegratorKind::Lvc, ..path_tracer }, 8);
@@ -152,7 +154,7 @@ fn without_a_cache_it_is_the_path_tracer() {
 #[test]
 fn an_empty_cache_is_no_trouble() {
     let mut scene = scenes::empty(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO);
-    let lamp = add_material(&mut scene, scenes::emissive(2.0, 0.0));
+    let lamp = scene.add_material(scenes::emissive(2.0, 0.0));
     add_quad(&mut scene, Vec3::new(-0.5, -0.5, 0.0), Vec3::X, Vec3::Y, lamp);
     let prepared = prepare(&scene);
     let expected = render(&prepared, &settings(&scene), 4);

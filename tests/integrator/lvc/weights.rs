@@ -10,7 +10,7 @@ use raystream_shaders::math::random::{hash, unit_float};
 use raystream_shaders::scene::bsdf::{BsdfSample, Material, MaterialKind};
 use raystream_shaders::scene::ray::SurfacePoint;
 use raystream_shaders::scene::surface::Surface;
-use raystream_tests::scenes::{diffuse, glass, mirror};
+use raystream_tests::materials::{diffuse, glass, mirror};
 use std::f64::consts::PI;
 
 /// A vertex of a path, seen from nowhere in particular.

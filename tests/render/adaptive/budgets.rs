@@ -109,7 +109,7 @@ fn nothing_to_see() {
     empty.film = FilmSize { width: 7, height: 5 };
     // Surfaces without a light.
     let mut dark = empty.clone();
-    let wall = scenes::add_material(&mut dark, scenes::diffuse(0.5));
+    let wall = dark.add_material(scenes::diffuse(0.5));
     scenes::add_box(&mut dark, Vec3::splat(-1.0), Vec3::ONE, true, wall);
     for scene in [empty, dark] {
         let scene = (prepare(&scene), settings(&scene));

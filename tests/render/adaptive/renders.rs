@@ -6,8 +6,7 @@ use raystream::film::Film;
 use raystream::render::{
     AllocatorKind, Budget, Estimator, Outcome, PreparedScene, Renderer, Sampling, Settings, run,
 };
-use raystream::scene::FilmSize;
-use raystream_shaders::scene::bsdf::Material;
+use raystream::scene::{FilmSize, Material};
 use raystream_tests::executors::Hindered;
 use raystream_tests::{prepare, scenes, settings};
 

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use raystream_shaders::math::random::{CHOICES, INDEPENDENT, RandomNumbers, unit_float};
 use raystream_shaders::scene::bsdf::{BsdfSample, Material};
 use raystream_tests::histogram::{SAMPLERS, histogram};
-use raystream_tests::scenes::{glass, mirror};
+use raystream_tests::materials::{glass, mirror};
 use raystream_tests::statistics::assert_chi_square;
 
 const COUNT: u32 = 1 << 16;

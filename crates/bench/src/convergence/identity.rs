@@ -3,7 +3,7 @@
 use raystream::exec::gpu::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
-use raystream::scene::Scene;
+use raystream::scene::{Camera, Material, Reflectance, Scene};
 use sha2::{Digest, Sha256};
 
 /// Everything that a reference's pixels depend on, as pairs of name and value.
@@ -32,7 +32,7 @@ impl Identity {
             pair("max_depth", settings.max_depth.to_string()),
             pair("rr_depth", settings.roulette_depth.to_string()),
             pair("techniques", techniques.into()),
-            pair("background", settings.background.to_string()),
+            pair("background", scene.background.to_string()),
             pair("ray_offset", settings.ray_offset.to_string()),
             pair("integrator", settings.integrator.to_string()),
         ];
@@ -59,25 +59,68 @@ impl Identity {
     }
 }
 
-/// A digest of what is in a scene: geometry, materials, textures and camera. Its name and its
-/// limits are not.
+/// A digest of what is in a scene: surfaces, lights, materials, textures and camera. Its name, its
+/// background and its limits are not.
 fn scene_digest(scene: &Scene) -> String {
     let mut hasher = Sha256::new();
-    for triangle in &scene.triangles {
-        hasher.update(bytemuck::bytes_of(&triangle.to_rows()));
+    for mesh in &scene.meshes {
+        add(&mut hasher, &[mesh.material.0]);
+        add(&mut hasher, &mesh.positions);
+        add(&mut hasher, mesh.triangles.as_flattened());
+        add(&mut hasher, mesh.normals.as_deref().unwrap_or_default().as_flattened());
+        let coordinates = mesh.texture_coordinates.as_deref().unwrap_or_default();
+        add(&mut hasher, coordinates.as_flattened());
     }
-    hasher.update(bytemuck::cast_slice(&scene.attributes));
-    hasher.update(bytemuck::cast_slice(&scene.materials));
-    hasher.update(bytemuck::cast_slice(&scene.texels));
+    for light in &scene.quad_lights {
+        add(&mut hasher, &[light.corner, light.u, light.v]);
+        add(&mut hasher, &[light.radiance]);
+    }
+    for material in &scene.materials {
+        add_material(&mut hasher, material);
+    }
+    for texture in &scene.textures {
+        add(&mut hasher, &[texture.width, texture.height]);
+        add(&mut hasher, &texture.texels);
+    }
     let lengths =
-        [scene.triangles.len(), scene.attributes.len(), scene.materials.len(), scene.texels.len()];
-    lengths.iter().for_each(|&length| hasher.update((length as u64).to_le_bytes()));
-    let camera = &scene.camera;
-    for vector in [camera.origin, camera.target, camera.up] {
-        hasher.update(bytemuck::bytes_of(&vector));
-    }
-    hasher.update(camera.fov_y.to_le_bytes());
+        [scene.meshes.len(), scene.quad_lights.len(), scene.materials.len(), scene.textures.len()];
+    add(&mut hasher, &lengths.map(|length| length as u64));
+    let Camera { origin, target, up, fov_y } = scene.camera;
+    add(&mut hasher, &[origin, target, up]);
+    add(&mut hasher, &[fov_y]);
     hex(&hasher.finalize())
+}
+
+/// Adds values and how many there are.
+fn add<T: bytemuck::NoUninit>(hasher: &mut Sha256, values: &[T]) {
+    hasher.update((values.len() as u64).to_le_bytes());
+    hasher.update(bytemuck::cast_slice::<T, u8>(values));
+}
+
+fn add_material(hasher: &mut Sha256, material: &Material) {
+    match *material {
+        Material::Diffuse { reflectance: Reflectance::Colour(colour) } => {
+            hasher.update([0]);
+            add(hasher, &[colour]);
+        }
+        Material::Diffuse { reflectance: Reflectance::Texture(texture) } => {
+            hasher.update([1]);
+            add(hasher, &[texture.0]);
+        }
+        Material::Mirror { reflectance } => {
+            hasher.update([2]);
+            add(hasher, &[reflectance]);
+        }
+        Material::Dielectric { ior, transmittance, reflectance } => {
+            hasher.update([3]);
+            add(hasher, &[ior]);
+            add(hasher, &[transmittance, reflectance]);
+        }
+        Material::Emissive { radiance, reflectance } => {
+            hasher.update([4]);
+            add(hasher, &[radiance, reflectance]);
+        }
+    }
 }
 
 /// A digest of a picture's channels, their names aside.
@@ -110,7 +153,6 @@ mod tests {
             max_depth: 8,
             roulette_depth: 5,
             techniques: Techniques::Both,
-            background: Vec3::ZERO,
             ray_offset: 4.0,
             sampling: Sampling::UNIFORM,
             integrator: IntegratorKind::Megakernel,
@@ -126,7 +168,7 @@ mod tests {
         let changed_scenes = [
             {
                 let mut scene = scene.clone();
-                scene.triangles[3].corner.x += 0.01;
+                scene.meshes[0].positions[3].x += 0.01;
                 scene
             },
             {
@@ -137,6 +179,11 @@ mod tests {
             {
                 let mut scene = scene.clone();
                 scene.camera.fov_y += 1.0;
+                scene
+            },
+            {
+                let mut scene = scene.clone();
+                scene.background = Vec3::ONE;
                 scene
             },
         ];

@@ -1,21 +1,21 @@
-//! The device's camera from the scene file's.
+//! The device's camera from the scene's.
 
-use crate::scene::{CameraSettings, FilmSize};
+use crate::scene::{self, FilmSize};
 use glam::DVec3;
 use raystream_shaders::scene::camera::Camera;
 
 /// The camera for a picture of `size`. Right-handed, square pixels; `fov_y` spans the picture's
 /// height.
-pub fn camera(settings: &CameraSettings, size: FilmSize) -> Camera {
-    let origin = settings.origin.as_dvec3();
-    let forward = (settings.target.as_dvec3() - origin).normalize();
-    let right = forward.cross(settings.up.as_dvec3()).normalize();
+pub fn camera(description: &scene::Camera, size: FilmSize) -> Camera {
+    let origin = description.origin.as_dvec3();
+    let forward = (description.target.as_dvec3() - origin).normalize();
+    let right = forward.cross(description.up.as_dvec3()).normalize();
     let up = right.cross(forward);
     let (width, height) = (f64::from(size.width), f64::from(size.height));
-    let pixel = 2.0 * (f64::from(settings.fov_y).to_radians() / 2.0).tan() / height;
+    let pixel = 2.0 * (f64::from(description.fov_y).to_radians() / 2.0).tan() / height;
     let top_left: DVec3 = forward + (up * height - right * width) * (0.5 * pixel);
     Camera {
-        origin: settings.origin,
+        origin: description.origin,
         width: size.width,
         top_left: top_left.as_vec3(),
         height: size.height,
@@ -33,9 +33,8 @@ mod tests {
 
     #[test]
     fn the_middle_of_the_picture_is_the_target_and_the_top_is_up() {
-        let settings =
-            CameraSettings { origin: Vec3::ZERO, target: Vec3::NEG_Z, up: Vec3::Y, fov_y: 90.0 };
-        let camera = camera(&settings, FilmSize { width: 200, height: 100 });
+        let description = scene::Camera::new(Vec3::ZERO, Vec3::NEG_Z, 90.0);
+        let camera = camera(&description, FilmSize { width: 200, height: 100 });
         let close = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-6, "{a} {b}");
         close(camera.ray(100, 50, [0.0, 0.0]).direction, Vec3::NEG_Z);
         close(camera.ray(100, 0, [0.0, 0.0]).direction, Vec3::new(0.0, 1.0, -1.0).normalize());

@@ -2,13 +2,18 @@
 
 pub mod bvh;
 pub mod camera;
+mod geometry;
 mod lights;
+mod materials;
+mod textures;
 mod triangles;
 
 use self::bvh::BvhQuality;
+use self::geometry::Geometry;
+use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
-use crate::scene::{CameraSettings, PathLimits, Scene};
+use crate::scene::{Camera, PathLimits, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::{SceneParams, SceneView};
@@ -21,40 +26,53 @@ pub struct PreparedScene {
     pub surfaces: Vec<UVec4>,
     /// The textures.
     pub texels: Vec<u32>,
-    /// What lies where, and the lights' total. What is up to a render's settings is zero.
+    /// What lies where, the lights' total and the background. What is up to a render's settings is zero.
     pub params: SceneParams,
-    /// For each triangle in the order of the leaves, its index in the scene. Triangles that were
+    /// For each triangle in the order of the leaves, its number in the scene: those of the meshes
+    /// in order, then two for each quad light, those without area left out. Triangles that were
     /// split appear several times.
     pub scene_triangles: Vec<u32>,
+    /// How many triangles had no area, and were left out.
+    pub degenerate: usize,
     /// The camera.
-    pub camera: CameraSettings,
-    /// How long paths may be, by the scene file.
+    pub camera: Camera,
+    /// How long paths may be, by the scene.
     pub limits: PathLimits,
 }
 
 impl PreparedScene {
-    /// Builds the BVH and the table of lights.
-    pub fn new(scene: Scene, quality: BvhQuality) -> Result<Self, RenderError> {
-        let bvh = bvh::build(&scene.triangles, quality)?;
-        let lights = lights::build(&scene.triangles, &scene.materials);
+    /// Checks a scene, builds its BVH and the tables that the kernels read.
+    ///
+    /// # Errors
+    ///
+    /// When [`Scene::check`] finds something, or the BVH is too deep.
+    pub fn new(scene: &Scene, quality: BvhQuality) -> Result<Self, RenderError> {
+        scene.check()?;
+        let Geometry { triangles, attributes, degenerate } = geometry::gather(scene);
+        let Textures { words: texels, places } = textures::pack(&scene.textures);
+        let materials = materials::table(scene, &places);
+        let bvh = bvh::build(&triangles, quality)?;
+        let lights = lights::build(&triangles, &materials);
         let mut geometry = bvh.nodes;
-        let first_planes = append(&mut geometry, &triangles::planes(&scene.triangles, &bvh.order));
-        let mut surfaces = triangles::shading(&scene.triangles, &bvh.order);
+        let first_planes = append(&mut geometry, &triangles::planes(&triangles, &bvh.order));
+        let mut surfaces = triangles::shading(&triangles, &bvh.order);
         let params = SceneParams {
+            background: scene.background,
             lights: lights.table.len() as u32,
             total_importance: lights.total_importance,
             first_planes,
-            first_attributes: append(&mut surfaces, &scene.attributes),
-            first_material: append(&mut surfaces, &scene.materials),
+            first_attributes: append(&mut surfaces, &attributes),
+            first_material: append(&mut surfaces, &materials),
             first_light: append(&mut surfaces, &lights.table),
             ..SceneParams::zeroed()
         };
         Ok(Self {
             geometry,
             surfaces,
-            texels: scene.texels,
+            texels,
             params,
             scene_triangles: bvh.order,
+            degenerate,
             camera: scene.camera,
             limits: scene.limits,
         })

@@ -1,7 +1,13 @@
-//! OBJ files, read by tobj from their [plain form](super::obj_text).
+//! OBJ files, read by tobj from their [plain form](text), with their MTL files.
 
-use super::SceneError;
-use super::obj_text::{self, FaceGroup, ObjText};
+pub(super) mod mtl;
+mod text;
+
+use self::text::{FaceGroup, ObjText};
+use super::error::SceneError;
+use super::material::MaterialId;
+use super::mesh::Mesh;
+use glam::{DVec3, Vec2, Vec3};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -20,7 +26,7 @@ pub(super) struct Part {
     /// The material's name.
     pub material: String,
     /// Positions, texture coordinates and normals, each with indices.
-    pub mesh: tobj::Mesh,
+    mesh: tobj::Mesh,
     /// Whether every corner has a texture coordinate.
     pub has_texture_coordinates: bool,
     /// Whether every corner has a normal.
@@ -39,8 +45,8 @@ const OPTIONS: tobj::LoadOptions = tobj::LoadOptions {
 impl Obj {
     /// Reads an OBJ file; `path` is for messages only.
     pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Self, SceneError> {
-        let ObjText { vertices, groups, libraries } =
-            obj_text::parse(&String::from_utf8_lossy(bytes)).map_err(|bad| SceneError::Obj {
+        let ObjText { vertices, groups, libraries } = text::parse(&String::from_utf8_lossy(bytes))
+            .map_err(|bad| SceneError::Obj {
                 path: path.to_owned(),
                 line: bad.line,
                 what: bad.what,
@@ -67,6 +73,46 @@ impl Obj {
         });
         Ok(Self { libraries, parts: parts.collect() })
     }
+}
+
+impl Part {
+    /// Its triangles, with its normals and its texture coordinates if wanted: then it must have
+    /// them.
+    pub(super) fn mesh(
+        &self,
+        material: MaterialId,
+        normals: bool,
+        texture_coordinates: bool,
+    ) -> Mesh {
+        let tobj::Mesh { positions, indices, normal_indices, texcoord_indices, .. } = &self.mesh;
+        let normal = |index: u32| unit(vec3(&self.mesh.normals, index));
+        let uv = |index: u32| {
+            let at = index as usize * 2;
+            Vec2::new(self.mesh.texcoords[at], self.mesh.texcoords[at + 1])
+        };
+        Mesh {
+            material,
+            positions: positions.chunks_exact(3).map(Vec3::from_slice).collect(),
+            triangles: corners(indices, |index| index),
+            normals: normals.then(|| corners(normal_indices, normal)),
+            texture_coordinates: texture_coordinates.then(|| corners(texcoord_indices, uv)),
+        }
+    }
+}
+
+/// What `of` makes of the indices of each triangle.
+fn corners<T>(indices: &[u32], of: impl Fn(u32) -> T) -> Vec<[T; 3]> {
+    indices.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]].map(&of)).collect()
+}
+
+/// The unit vector; zero stays zero.
+fn unit(normal: Vec3) -> Vec3 {
+    let normal: DVec3 = normal.as_dvec3();
+    normal.normalize_or_zero().as_vec3()
+}
+
+fn vec3(values: &[f32], index: u32) -> Vec3 {
+    Vec3::from_slice(&values[index as usize * 3..])
 }
 
 /// One OBJ text for all groups, in which materials are called by their number.

@@ -1,8 +1,12 @@
 //! The scene file: JSON, format 1, checked key by key as it is read.
 
-use super::rule::MaterialRule;
+use super::material::FileMaterial;
 use super::values::{AngleOfView, Coordinates, Depth, FilmSide, Object, Radiance};
-use super::{CameraSettings, FilmSize, PathLimits, SceneError};
+use crate::scene::camera::Camera;
+use crate::scene::error::SceneError;
+use crate::scene::film::FilmSize;
+use crate::scene::light::QuadLight;
+use crate::scene::limits::PathLimits;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
@@ -19,13 +23,13 @@ pub(super) struct SceneFile {
     pub name: String,
     pub obj: String,
     film: Object<Film>,
-    camera: Object<Camera>,
+    camera: Object<FileCamera>,
     #[serde(default)]
     pub normals: Normals,
     #[serde(default)]
     pub dedupe: bool,
     #[serde(default)]
-    pub materials: BTreeMap<String, Object<MaterialRule>>,
+    pub materials: BTreeMap<String, Object<FileMaterial>>,
     #[serde(default)]
     pub quads: Vec<Object<Quad>>,
     #[serde(default)]
@@ -47,7 +51,7 @@ impl SceneFile {
         FilmSize { width: self.film.0.width.0, height: self.film.0.height.0 }
     }
 
-    pub(super) fn camera(&self) -> CameraSettings {
+    pub(super) fn camera(&self) -> Camera {
         self.camera.0.0
     }
 
@@ -89,7 +93,8 @@ struct Integrator {
 
 impl Default for Integrator {
     fn default() -> Self {
-        Self { max_depth: Depth(8), rr_depth: Depth(5) }
+        let PathLimits { max_depth, roulette_depth } = PathLimits::default();
+        Self { max_depth: Depth(max_depth), rr_depth: Depth(roulette_depth) }
     }
 }
 
@@ -106,7 +111,7 @@ pub(super) enum Normals {
 
 #[derive(Debug, Deserialize)]
 #[serde(try_from = "CameraKeys")]
-struct Camera(CameraSettings);
+struct FileCamera(Camera);
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -117,29 +122,18 @@ struct CameraKeys {
     fov_y: AngleOfView,
 }
 
-/// The smallest sine of the angle between the view and up.
-const MIN_SINE_TO_UP: f64 = 1e-5;
-
-impl TryFrom<CameraKeys> for Camera {
+impl TryFrom<CameraKeys> for FileCamera {
     type Error = &'static str;
 
     fn try_from(keys: CameraKeys) -> Result<Self, Self::Error> {
-        let settings = CameraSettings {
+        let camera = Camera {
             origin: keys.origin.0.as_vec3(),
             target: keys.target.0.as_vec3(),
             up: keys.up.0.as_vec3(),
             fov_y: keys.fov_y.0,
         };
-        // As an f32 sees them: that is what the picture is made from.
-        let view = (settings.target - settings.origin).as_dvec3();
-        let Some(view) = view.try_normalize() else {
-            return Err("origin and target are the same point: there is no direction to look in");
-        };
-        let up = settings.up.as_dvec3().normalize_or_zero();
-        if view.cross(up).length() < MIN_SINE_TO_UP {
-            return Err("up is zero or along the view: it must point to a side of the picture");
-        }
-        Ok(Self(settings))
+        camera.check_directions()?;
+        Ok(Self(camera))
     }
 }
 
@@ -147,8 +141,14 @@ impl TryFrom<CameraKeys> for Camera {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Quad {
-    pub corner: Coordinates,
-    pub u: Coordinates,
-    pub v: Coordinates,
-    pub radiance: Radiance,
+    corner: Coordinates,
+    u: Coordinates,
+    v: Coordinates,
+    radiance: Radiance,
+}
+
+impl Quad {
+    pub(super) fn light(&self) -> QuadLight {
+        QuadLight { corner: self.corner.0, u: self.u.0, v: self.v.0, radiance: self.radiance.0 }
+    }
 }

@@ -2,25 +2,28 @@
 //!
 //! Read here and not by tobj, which panics on a colour of one number and keeps no line numbers.
 
-use super::SceneError;
-use super::rule::{Albedo, MaterialRule};
-use super::source::{Source, portable};
-use super::values::{Ior, Radiance, Reflectance};
+use crate::scene::bounds;
+use crate::scene::error::SceneError;
+use crate::scene::material::{Material, Reflectance};
+use crate::scene::rule::MaterialRule;
+use crate::scene::source::{Source, portable};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// What a material is that no MTL describes: grey.
-pub(super) const DEFAULT: MaterialRule = MaterialRule::Diffuse(Albedo::Colour(DEFAULT_REFLECTANCE));
+pub(in crate::scene) const DEFAULT: MaterialRule = MaterialRule::Plain(Material::Diffuse {
+    reflectance: Reflectance::Colour(DEFAULT_REFLECTANCE),
+});
 
-const DEFAULT_REFLECTANCE: Reflectance = Reflectance(Vec3::splat(0.5));
+const DEFAULT_REFLECTANCE: Vec3 = Vec3::splat(0.5);
 const DEFAULT_IOR: f64 = 1.5;
 const MIRROR_MODELS: [i64; 2] = [3, 5];
 const DIELECTRIC_MODELS: [i64; 4] = [4, 6, 7, 9];
 
 /// The materials of all MTL files of an OBJ, by name.
 #[derive(Debug, Default)]
-pub(super) struct Library {
+pub(in crate::scene) struct Library {
     materials: HashMap<String, Entry>,
 }
 
@@ -33,7 +36,7 @@ struct Entry {
 }
 
 /// A material's rule, and what the user should know about it.
-pub(super) struct Described {
+pub(in crate::scene) struct Described {
     pub rule: MaterialRule,
     pub warning: Option<String>,
 }
@@ -41,7 +44,7 @@ pub(super) struct Described {
 impl Library {
     /// Adds the materials of one MTL file, which replace those of the same names; `path` is where
     /// textures are looked for.
-    pub(super) fn add(&mut self, path: &Path, bytes: &[u8]) {
+    pub(in crate::scene) fn add(&mut self, path: &Path, bytes: &[u8]) {
         let text = String::from_utf8_lossy(bytes);
         let mut added: HashMap<String, Entry> = HashMap::new();
         let mut current = None;
@@ -65,7 +68,7 @@ impl Library {
 
     /// What the files say of the material `name`, if anything. Textures are looked for beside the
     /// MTL, in `source`.
-    pub(super) fn describe(
+    pub(in crate::scene) fn describe(
         &self,
         name: &str,
         source: &dyn Source,
@@ -76,28 +79,21 @@ impl Library {
 
 impl Entry {
     fn describe(&self, source: &dyn Source) -> Result<Described, SceneError> {
-        let plain = |rule| Ok(Described { rule, warning: None });
+        let plain = |material| Ok(Described { rule: MaterialRule::Plain(material), warning: None });
         let illumination = self.number("illum")?.unwrap_or(2.0) as i64;
         let emitted = self.colour("ke")?.unwrap_or_default();
         if emitted.iter().any(|&component| component > 0.0) {
-            let radiance = Radiance::try_from(emitted).map_err(|what| self.error("ke", what))?;
-            return plain(MaterialRule::Emissive {
-                radiance,
-                reflectance: self.reflectance("kd", DEFAULT_REFLECTANCE)?,
-            });
+            let radiance = bounds::radiance(&emitted).map_err(|what| self.error("ke", what))?;
+            let reflectance = self.reflectance("kd", DEFAULT_REFLECTANCE)?;
+            return plain(Material::Emissive { radiance, reflectance });
         }
         if MIRROR_MODELS.contains(&illumination) {
-            return plain(MaterialRule::Mirror(self.reflectance("ks", Reflectance(Vec3::ZERO))?));
+            return plain(Material::mirror(self.reflectance("ks", Vec3::ZERO)?));
         }
         if DIELECTRIC_MODELS.contains(&illumination) {
-            let ior = Ior::try_from(self.number("ni")?.unwrap_or(DEFAULT_IOR))
+            let ior = bounds::ior(self.number("ni")?.unwrap_or(DEFAULT_IOR))
                 .map_err(|what| self.error("ni", what))?;
-            let white = Reflectance(Vec3::ONE);
-            return plain(MaterialRule::Dielectric {
-                ior,
-                transmittance: white,
-                reflectance: white,
-            });
+            return plain(Material::glass(ior));
         }
         self.diffuse(source)
     }
@@ -106,7 +102,7 @@ impl Entry {
         let colour = |entry: &Self| {
             entry
                 .reflectance("kd", DEFAULT_REFLECTANCE)
-                .map(|kd| MaterialRule::Diffuse(Albedo::Colour(kd)))
+                .map(|kd| MaterialRule::Plain(Material::diffuse(kd)))
         };
         let texture = self
             .keys
@@ -122,9 +118,7 @@ impl Entry {
         let found =
             [texture, last].into_iter().find_map(|name| source.find(folder, &portable(name)));
         match found {
-            Some(path) => {
-                Ok(Described { rule: MaterialRule::Diffuse(Albedo::Texture(path)), warning: None })
-            }
+            Some(path) => Ok(Described { rule: MaterialRule::Textured(path), warning: None }),
             None => {
                 let warning = format!(
                     "{}: material `{}`: the texture `{texture}` is not there; its colour Kd is used instead.",
@@ -136,9 +130,9 @@ impl Entry {
         }
     }
 
-    fn reflectance(&self, key: &str, default: Reflectance) -> Result<Reflectance, SceneError> {
+    fn reflectance(&self, key: &str, default: Vec3) -> Result<Vec3, SceneError> {
         match self.colour(key)? {
-            Some(colour) => Reflectance::try_from(colour).map_err(|what| self.error(key, what)),
+            Some(colour) => bounds::reflectance(&colour).map_err(|what| self.error(key, what)),
             None => Ok(default),
         }
     }

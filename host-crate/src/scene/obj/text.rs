@@ -5,7 +5,7 @@
 //! only vertices, and then the faces of one material after the other, with absolute indices that
 //! are in range.
 
-use super::values::MAX_COORDINATE;
+use crate::scene::bounds::MAX_COORDINATE;
 use std::collections::HashMap;
 use std::fmt::Write as _;
 

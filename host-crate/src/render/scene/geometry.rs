@@ -1,0 +1,70 @@
+//! The triangles of a scene, with their corners' attributes.
+
+use crate::scene::mesh::has_area;
+use crate::scene::{Mesh, Scene};
+use glam::{Vec2, Vec3};
+use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES, Triangle};
+
+/// The triangles of a scene: of its meshes in order, then two of each quad light.
+#[derive(Default)]
+pub struct Geometry {
+    /// Those with an area.
+    pub triangles: Vec<Triangle>,
+    /// What [`Triangle::attributes`] points to.
+    pub attributes: Vec<Attributes>,
+    /// How many had no area, and are left out.
+    pub degenerate: usize,
+}
+
+/// Gathers the triangles of a scene that was checked. The material of the `n`-th quad light follows
+/// those of the scene, `n` after them.
+pub fn gather(scene: &Scene) -> Geometry {
+    let mut geometry = Geometry::default();
+    for mesh in &scene.meshes {
+        geometry.add_mesh(mesh);
+    }
+    for (material, light) in (scene.materials.len() as u32..).zip(&scene.quad_lights) {
+        for corners in light.triangles() {
+            geometry.add_triangle(corners, material, None);
+        }
+    }
+    geometry
+}
+
+impl Geometry {
+    fn add_mesh(&mut self, mesh: &Mesh) {
+        for index in 0..mesh.triangles.len() {
+            let normals = mesh.normals.as_ref().map(|normals| normals[index]);
+            let coordinates = mesh.texture_coordinates.as_ref().map(|uvs| uvs[index]);
+            let wanted = normals.is_some() || coordinates.is_some();
+            let attributes = wanted
+                .then(|| attributes(normals.unwrap_or_default(), coordinates.unwrap_or_default()));
+            self.add_triangle(mesh.corners(index), mesh.material.0, attributes);
+        }
+    }
+
+    fn add_triangle(&mut self, corners: [Vec3; 3], material: u32, attributes: Option<Attributes>) {
+        if !has_area(corners) {
+            self.degenerate += 1;
+            return;
+        }
+        let [corner, b, c] = corners;
+        let index = match attributes {
+            Some(_) => self.attributes.len() as u32,
+            None => NO_ATTRIBUTES,
+        };
+        self.attributes.extend(attributes);
+        self.triangles.push(Triangle {
+            corner,
+            edge1: b - corner,
+            edge2: c - corner,
+            material,
+            attributes: index,
+        });
+    }
+}
+
+fn attributes([normal0, normal1, normal2]: [Vec3; 3], coordinates: [Vec2; 3]) -> Attributes {
+    let [[u0, v0], [u1, v1], [u2, v2]] = coordinates.map(|uv| uv.to_array());
+    Attributes { normal0, u0, normal1, v0, normal2, u1, v1, u2, v2, pad: 0 }
+}

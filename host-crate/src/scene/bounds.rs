@@ -1,0 +1,82 @@
+//! What the numbers of a scene may be, for its loaders and for [`check`](super::check).
+//!
+//! Every function returns the number as a scene stores it; its error is what to say after the
+//! number's name, as in "must be from 0 to 1, has 2".
+
+use glam::{DVec3, Vec3};
+use std::ops::RangeInclusive;
+
+/// Coordinates go up to this: beyond, squares of areas overflow an f32.
+pub(super) const MAX_COORDINATE: f64 = 1e9;
+/// Radiances go up to this: beyond, sums of squares over a picture overflow an f32.
+const MAX_RADIANCE: f64 = 1e12;
+/// Pictures have at most this many pixels a side, so that all of them are numbered by a u32.
+const MAX_FILM_SIDE: u32 = 16_384;
+/// Indices of refraction lie between the inverse of this and this.
+const MAX_IOR: f64 = 100.0;
+/// Textures are at most this wide and high, in texels.
+pub(super) const MAX_TEXTURE_SIDE: u32 = 16_384;
+/// Texels of all textures together, with what a device's buffer of them holds besides: 1 GiB.
+pub(super) const MAX_TEXELS: usize = 1 << 28;
+
+/// A position or a direction in world units.
+pub(super) fn coordinates(values: &[f64]) -> Result<DVec3, String> {
+    triple(values, -MAX_COORDINATE..=MAX_COORDINATE)
+}
+
+/// A share of light: linear Rec.709, each component in [0, 1].
+pub(super) fn reflectance(values: &[f64]) -> Result<Vec3, String> {
+    triple(values, 0.0..=1.0).map(|v| v.as_vec3())
+}
+
+/// Emitted light: linear Rec.709, no component negative.
+pub(super) fn radiance(values: &[f64]) -> Result<Vec3, String> {
+    triple(values, 0.0..=MAX_RADIANCE).map(|v| v.as_vec3())
+}
+
+/// An index of refraction.
+pub(super) fn ior(value: f64) -> Result<f32, String> {
+    let (low, high) = (MAX_IOR.recip(), MAX_IOR);
+    // Rounded first: what was accepted once is accepted when it comes back as an f32.
+    let rounded = value as f32;
+    if (low as f32..=high as f32).contains(&rounded) {
+        Ok(rounded)
+    } else {
+        Err(format!("must be from {low} to {high}, is {value}"))
+    }
+}
+
+/// An angle of view in degrees.
+pub(super) fn angle_of_view(value: f64) -> Result<f32, String> {
+    let rounded = value as f32;
+    if rounded > 0.0 && rounded < 180.0 {
+        Ok(rounded)
+    } else {
+        Err(format!("must be an angle in degrees, above 0 and below 180, is {value}"))
+    }
+}
+
+/// A width or height in pixels.
+pub(super) fn film_side(value: i64) -> Result<u32, String> {
+    let side = u32::try_from(value).ok().filter(|side| (1..=MAX_FILM_SIDE).contains(side));
+    side.ok_or_else(|| format!("must be from 1 to {MAX_FILM_SIDE} pixels, is {value}"))
+}
+
+/// A number of path segments.
+pub(super) fn depth(value: i64) -> Result<u32, String> {
+    let depth = u32::try_from(value).ok().filter(|&depth| depth > 0);
+    depth.ok_or_else(|| format!("must be from 1 to {}, is {value}", u32::MAX))
+}
+
+/// Three numbers, each within `allowed`.
+fn triple(values: &[f64], allowed: RangeInclusive<f64>) -> Result<DVec3, String> {
+    let &[x, y, z] = values else {
+        return Err(format!("must be three numbers, has {}", values.len()));
+    };
+    match values.iter().find(|value| !allowed.contains(value)) {
+        Some(value) => {
+            Err(format!("must be from {} to {}, has {value}", allowed.start(), allowed.end()))
+        }
+        None => Ok(DVec3::new(x, y, z)),
+    }
+}

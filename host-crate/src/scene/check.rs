@@ -1,0 +1,202 @@
+//! Whether the parts of a scene fit together.
+
+use super::bounds::{self, MAX_COORDINATE, MAX_TEXELS, MAX_TEXTURE_SIDE};
+use super::description::Scene;
+use super::film::FilmSize;
+use super::material::{Material, Reflectance};
+use super::mesh::Mesh;
+use super::texture::Texture;
+use glam::Vec3;
+
+/// What is wrong with a scene.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {what}")]
+#[non_exhaustive]
+pub struct InvalidScene {
+    /// The field, as in `meshes[2].triangles[7]`.
+    pub place: String,
+    /// What is wrong with it.
+    pub what: String,
+}
+
+/// How far the length of a unit normal may be from 1: f32s that were rounded a few times are nearer.
+const UNIT_TOLERANCE: f32 = 1e-3;
+
+impl Scene {
+    /// Whether it can be rendered: every index is in range, every number finite and within the
+    /// range that its field names. Triangles without area are fine, and are left out of renders.
+    ///
+    /// # Errors
+    ///
+    /// The first field that is wrong, and why.
+    pub fn check(&self) -> Result<(), InvalidScene> {
+        let FilmSize { width, height } = self.film;
+        FilmSize::new(width.into(), height.into()).map_err(at("film"))?;
+        self.camera.check().map_err(at("camera"))?;
+        bounds::depth(self.limits.max_depth.into()).map_err(at("limits.max_depth"))?;
+        bounds::depth(self.limits.roulette_depth.into()).map_err(at("limits.roulette_depth"))?;
+        radiance(self.background).map_err(at("background"))?;
+        self.check_textures()?;
+        for (index, material) in self.materials.iter().enumerate() {
+            self.check_material(material).map_err(at(&format!("materials[{index}]")))?;
+        }
+        for (index, mesh) in self.meshes.iter().enumerate() {
+            self.check_mesh(mesh).map_err(|InvalidScene { place, what }| InvalidScene {
+                place: format!("meshes[{index}].{place}"),
+                what,
+            })?;
+        }
+        self.check_quad_lights()
+    }
+
+    fn check_textures(&self) -> Result<(), InvalidScene> {
+        let mut texels = 0;
+        for (index, texture) in self.textures.iter().enumerate() {
+            check_texture(texture).map_err(at(&format!("textures[{index}]")))?;
+            texels += texture.texels.len();
+        }
+        if texels > MAX_TEXELS {
+            let what =
+                format!("have {texels} texels together, but a scene has at most {MAX_TEXELS}");
+            return Err(at("textures")(what));
+        }
+        Ok(())
+    }
+
+    fn check_material(&self, material: &Material) -> Result<(), String> {
+        let share = |name: &str, colour: Vec3| match bounds::reflectance(&values(colour)) {
+            Ok(_) => Ok(()),
+            Err(what) => Err(format!("{name} {what}")),
+        };
+        match *material {
+            Material::Diffuse { reflectance: Reflectance::Colour(colour) }
+            | Material::Mirror { reflectance: colour } => share("reflectance", colour),
+            Material::Diffuse { reflectance: Reflectance::Texture(texture) } => {
+                in_range("texture", texture.0, self.textures.len(), "textures")
+            }
+            Material::Dielectric { ior, transmittance, reflectance } => {
+                bounds::ior(ior.into()).map_err(|what| format!("ior {what}"))?;
+                share("transmittance", transmittance)?;
+                share("reflectance", reflectance)
+            }
+            Material::Emissive { radiance: emitted, reflectance } => {
+                radiance(emitted).map_err(|what| format!("radiance {what}"))?;
+                share("reflectance", reflectance)
+            }
+        }
+    }
+
+    fn check_mesh(&self, mesh: &Mesh) -> Result<(), InvalidScene> {
+        in_range("material", mesh.material.0, self.materials.len(), "materials")
+            .map_err(at("material"))?;
+        for (index, position) in mesh.positions.iter().enumerate() {
+            if let Err(what) = bounds::coordinates(&values(*position)) {
+                return Err(at(&format!("positions[{index}]"))(what));
+            }
+        }
+        for (index, corners) in mesh.triangles.iter().enumerate() {
+            for &corner in corners {
+                if let Err(what) = in_range("position", corner, mesh.positions.len(), "positions") {
+                    return Err(at(&format!("triangles[{index}]"))(what));
+                }
+            }
+        }
+        check_normals(mesh)?;
+        check_texture_coordinates(mesh)?;
+        let material = &self.materials[mesh.material.0 as usize];
+        if material.texture().is_some() && mesh.texture_coordinates.is_none() {
+            let what = "are needed, since the material has a texture".to_owned();
+            return Err(at("texture_coordinates")(what));
+        }
+        Ok(())
+    }
+
+    fn check_quad_lights(&self) -> Result<(), InvalidScene> {
+        for (index, light) in self.quad_lights.iter().enumerate() {
+            let place = format!("quad_lights[{index}]");
+            for (name, vector) in [("corner", light.corner), ("u", light.u), ("v", light.v)] {
+                bounds::coordinates(&vector.to_array()).map_err(at(&format!("{place}.{name}")))?;
+            }
+            radiance(light.radiance).map_err(at(&format!("{place}.radiance")))?;
+            if !light.has_area() {
+                return Err(at(&place)("u and v span no area".to_owned()));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Names the place of what is wrong.
+fn at(place: &str) -> impl Fn(String) -> InvalidScene {
+    move |what| InvalidScene { place: place.to_owned(), what }
+}
+
+fn values(vector: Vec3) -> [f64; 3] {
+    vector.as_dvec3().to_array()
+}
+
+fn radiance(radiance: Vec3) -> Result<(), String> {
+    bounds::radiance(&values(radiance)).map(drop)
+}
+
+fn in_range(name: &str, index: u32, count: usize, of: &str) -> Result<(), String> {
+    if (index as usize) < count {
+        Ok(())
+    } else {
+        Err(format!("{name} {index} does not exist: there are {count} {of}"))
+    }
+}
+
+fn check_texture(texture: &Texture) -> Result<(), String> {
+    let Texture { width, height, texels } = texture;
+    if [width, height].iter().any(|side| !(1..=MAX_TEXTURE_SIDE).contains(side)) {
+        return Err(format!(
+            "width and height must be from 1 to {MAX_TEXTURE_SIDE} texels, are {width} and {height}"
+        ));
+    }
+    let wanted = *width as usize * *height as usize;
+    if texels.len() != wanted {
+        return Err(format!("{width}x{height} texels are {wanted}, not {}", texels.len()));
+    }
+    Ok(())
+}
+
+/// Fails if a list with an element for each triangle has another number of them.
+fn check_count(place: &str, count: usize, mesh: &Mesh) -> Result<(), InvalidScene> {
+    let triangles = mesh.triangles.len();
+    if count == triangles {
+        Ok(())
+    } else {
+        Err(at(place)(format!("are of {count} triangles, but the mesh has {triangles}")))
+    }
+}
+
+fn check_normals(mesh: &Mesh) -> Result<(), InvalidScene> {
+    let Some(normals) = &mesh.normals else { return Ok(()) };
+    check_count("normals", normals.len(), mesh)?;
+    let is_fine =
+        |normal: &Vec3| *normal == Vec3::ZERO || (normal.length() - 1.0).abs() <= UNIT_TOLERANCE;
+    match normals.iter().position(|corners| !corners.iter().all(is_fine)) {
+        Some(index) => {
+            let what = "must have unit length, or be zero".to_owned();
+            Err(at(&format!("normals[{index}]"))(what))
+        }
+        None => Ok(()),
+    }
+}
+
+fn check_texture_coordinates(mesh: &Mesh) -> Result<(), InvalidScene> {
+    let Some(coordinates) = &mesh.texture_coordinates else { return Ok(()) };
+    check_count("texture_coordinates", coordinates.len(), mesh)?;
+    // Not a number is in no range.
+    let is_fine = |c: &f32| f64::from(c.abs()) <= MAX_COORDINATE;
+    let position = coordinates
+        .iter()
+        .position(|corners| !corners.iter().all(|uv| uv.to_array().iter().all(is_fine)));
+    match position {
+        Some(index) => Err(at(&format!("texture_coordinates[{index}]"))(format!(
+            "must be from -{MAX_COORDINATE} to {MAX_COORDINATE}"
+        ))),
+        None => Ok(()),
+    }
+}

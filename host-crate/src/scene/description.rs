@@ -1,0 +1,96 @@
+//! A scene as plain data.
+
+use super::camera::Camera;
+use super::film::FilmSize;
+use super::light::QuadLight;
+use super::limits::PathLimits;
+use super::material::{Material, MaterialId};
+use super::mesh::Mesh;
+use super::texture::{Texture, TextureId};
+use glam::Vec3;
+
+/// A scene: plain data that loaders end at, and that
+/// [`PreparedScene`](crate::render::PreparedScene) brings into the layout of a device.
+///
+/// All fields may be changed at will; [`Scene::check`] says whether they fit together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// What the scene is called.
+    pub name: String,
+    /// Picture size in pixels.
+    pub film: FilmSize,
+    /// The camera.
+    pub camera: Camera,
+    /// How long paths may be.
+    pub limits: PathLimits,
+    /// Radiance from where there is no surface, linear Rec.709, each component in [0, 1e12].
+    pub background: Vec3,
+    /// The surfaces.
+    pub meshes: Vec<Mesh>,
+    /// The lamps that are no meshes.
+    pub quad_lights: Vec<QuadLight>,
+    /// The materials; [`Mesh::material`] points here.
+    pub materials: Vec<Material>,
+    /// The textures; [`Reflectance::Texture`](super::Reflectance::Texture) points here.
+    pub textures: Vec<Texture>,
+    /// What the user should know of (no light, dropped triangles ...), one sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// A scene of nothing before a black background, seen by `camera` in a picture of `film`'s
+    /// size.
+    pub fn new(camera: Camera, film: FilmSize) -> Self {
+        Self {
+            name: "scene".to_owned(),
+            film,
+            camera,
+            limits: PathLimits::default(),
+            background: Vec3::ZERO,
+            meshes: Vec::new(),
+            quad_lights: Vec::new(),
+            materials: Vec::new(),
+            textures: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Adds a material for meshes to be made of.
+    pub fn add_material(&mut self, material: Material) -> MaterialId {
+        self.materials.push(material);
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a texture for materials to use.
+    pub fn add_texture(&mut self, texture: Texture) -> TextureId {
+        self.textures.push(texture);
+        TextureId(self.textures.len() as u32 - 1)
+    }
+
+    /// Adds surfaces.
+    pub fn add_mesh(&mut self, mesh: Mesh) {
+        self.meshes.push(mesh);
+    }
+
+    /// Adds a lamp.
+    pub fn add_quad_light(&mut self, light: QuadLight) {
+        self.quad_lights.push(light);
+    }
+
+    /// How many triangles it has, two for each quad light included.
+    pub fn triangle_count(&self) -> usize {
+        let of_meshes: usize = self.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        of_meshes + 2 * self.quad_lights.len()
+    }
+
+    /// Whether anything emits light, the background included. Materials that are not there do not.
+    pub fn emits(&self) -> bool {
+        let radiance = |id: MaterialId| {
+            self.materials.get(id.0 as usize).map_or(Vec3::ZERO, Material::radiance)
+        };
+        let meshes = self.meshes.iter().filter(|mesh| !mesh.triangles.is_empty());
+        let surfaces = meshes.map(|mesh| radiance(mesh.material));
+        let quads = self.quad_lights.iter().map(|light| light.radiance);
+        surfaces.chain(quads).chain([self.background]).any(|light| light.max_element() > 0.0)
+    }
+}

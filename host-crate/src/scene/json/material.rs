@@ -1,0 +1,160 @@
+//! The rule that a scene file gives for a material.
+
+use super::values::{Colour, Ior, Radiance};
+use crate::scene::material::Material;
+use crate::scene::rule::MaterialRule;
+use glam::Vec3;
+use serde::de::{MapAccess, SeqAccess, Visitor, value};
+use serde::{Deserialize, Deserializer};
+use std::path::PathBuf;
+
+/// What a material is, as a scene file says it.
+#[derive(Debug, Deserialize)]
+#[serde(try_from = "MaterialKeys")]
+pub(super) struct FileMaterial(pub MaterialRule);
+
+/// The reflectance of a diffuse material: one colour, or the picture in the given file.
+#[derive(Debug)]
+enum Albedo {
+    Colour(Colour),
+    Texture(PathBuf),
+}
+
+/// All keys of all materials. One flat struct, so that messages name the key and its line.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialKeys {
+    #[serde(rename = "type")]
+    kind: MaterialKind,
+    #[serde(default, deserialize_with = "present")]
+    reflectance: Option<Albedo>,
+    #[serde(default, deserialize_with = "present")]
+    radiance: Option<Radiance>,
+    #[serde(default, deserialize_with = "present")]
+    ior: Option<Ior>,
+    #[serde(default, deserialize_with = "present")]
+    transmittance: Option<Colour>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum MaterialKind {
+    Diffuse,
+    Mirror,
+    Dielectric,
+    Emissive,
+    Null,
+}
+
+/// An optional key; unlike serde's own `Option`, null does not stand for its absence.
+fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(deserializer).map(Some)
+}
+
+impl TryFrom<MaterialKeys> for FileMaterial {
+    type Error = String;
+
+    fn try_from(keys: MaterialKeys) -> Result<Self, String> {
+        let white = Colour(Vec3::ONE);
+        let plain = |material| Ok(Self(MaterialRule::Plain(material)));
+        match keys.kind {
+            MaterialKind::Diffuse => {
+                keys.refuse("a diffuse", &["radiance", "ior", "transmittance"])?;
+                match needed("a diffuse", "reflectance", keys.reflectance)? {
+                    Albedo::Colour(Colour(colour)) => plain(Material::diffuse(colour)),
+                    Albedo::Texture(file) => Ok(Self(MaterialRule::Textured(file))),
+                }
+            }
+            MaterialKind::Mirror => {
+                keys.refuse("a mirror", &["radiance", "ior", "transmittance"])?;
+                let reflectance = colour("a mirror", keys.reflectance)?;
+                plain(Material::mirror(needed("a mirror", "reflectance", reflectance)?.0))
+            }
+            MaterialKind::Dielectric => {
+                keys.refuse("a dielectric", &["radiance"])?;
+                plain(Material::Dielectric {
+                    ior: needed("a dielectric", "ior", keys.ior)?.0,
+                    transmittance: keys.transmittance.unwrap_or(white).0,
+                    reflectance: colour("a dielectric", keys.reflectance)?.unwrap_or(white).0,
+                })
+            }
+            MaterialKind::Emissive => {
+                keys.refuse("an emissive", &["ior", "transmittance"])?;
+                let black = Colour(Vec3::ZERO);
+                plain(Material::Emissive {
+                    radiance: needed("an emissive", "radiance", keys.radiance)?.0,
+                    reflectance: colour("an emissive", keys.reflectance)?.unwrap_or(black).0,
+                })
+            }
+            MaterialKind::Null => {
+                let all = ["reflectance", "radiance", "ior", "transmittance"];
+                keys.refuse("a null", &all)?;
+                Ok(Self(MaterialRule::Null))
+            }
+        }
+    }
+}
+
+impl MaterialKeys {
+    /// Fails if one of these keys is given.
+    fn refuse(&self, kind: &str, keys: &[&str]) -> Result<(), String> {
+        let is_given = |key: &str| match key {
+            "reflectance" => self.reflectance.is_some(),
+            "radiance" => self.radiance.is_some(),
+            "ior" => self.ior.is_some(),
+            _ => self.transmittance.is_some(),
+        };
+        match keys.iter().find(|key| is_given(key)) {
+            Some(key) => Err(format!("{kind} material has no key `{key}`")),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The value of a key that must be given.
+fn needed<T>(kind: &str, key: &str, value: Option<T>) -> Result<T, String> {
+    value.ok_or_else(|| format!("{kind} material needs the key `{key}`"))
+}
+
+/// The reflectance, if given, of a material that cannot have a texture.
+fn colour(kind: &str, reflectance: Option<Albedo>) -> Result<Option<Colour>, String> {
+    match reflectance {
+        Some(Albedo::Texture(_)) => {
+            Err(format!("reflectance: only a diffuse material can have a texture, not {kind} one"))
+        }
+        Some(Albedo::Colour(colour)) => Ok(Some(colour)),
+        None => Ok(None),
+    }
+}
+
+impl<'de> Deserialize<'de> for Albedo {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ColourOrTexture;
+
+        impl<'de> Visitor<'de> for ColourOrTexture {
+            type Value = Albedo;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("[red, green, blue] or {\"texture\": file}")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Albedo, A::Error> {
+                Colour::deserialize(value::SeqAccessDeserializer::new(values)).map(Albedo::Colour)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, keys: A) -> Result<Albedo, A::Error> {
+                #[derive(Deserialize)]
+                #[serde(deny_unknown_fields)]
+                struct TextureKeys {
+                    texture: String,
+                }
+                let keys = TextureKeys::deserialize(value::MapAccessDeserializer::new(keys))?;
+                Ok(Albedo::Texture(PathBuf::from(keys.texture)))
+            }
+        }
+
+        deserializer.deserialize_any(ColourOrTexture)
+    }
+}

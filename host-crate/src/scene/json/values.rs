@@ -1,0 +1,68 @@
+//! The values of a scene file, checked as they are read.
+
+use crate::scene::bounds;
+use glam::{DVec3, Vec3};
+use serde::de::{MapAccess, Visitor, value};
+use serde::{Deserialize, Deserializer};
+use std::marker::PhantomData;
+
+/// What is written as an object `{...}`; for structs alone, serde takes an array of the values as
+/// well.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Object<T>(pub T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Keys<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for Keys<T> {
+            type Value = Object<T>;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("an object {...}")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, keys: A) -> Result<Object<T>, A::Error> {
+                T::deserialize(value::MapAccessDeserializer::new(keys)).map(Object)
+            }
+        }
+
+        deserializer.deserialize_map(Keys(PhantomData))
+    }
+}
+
+/// Types of values that are read as one type, the second, and kept as another, the first, by a
+/// function that checks them.
+macro_rules! checked {
+    ($($(#[$doc:meta])* $name:ident($kept:ty) = $check:expr, of $read:ty as $read_text:literal;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Deserialize)]
+        #[serde(try_from = $read_text)]
+        pub(super) struct $name(pub $kept);
+
+        impl TryFrom<$read> for $name {
+            type Error = String;
+
+            fn try_from(value: $read) -> Result<Self, String> {
+                $check(value).map(Self)
+            }
+        }
+    )*};
+}
+
+checked! {
+    /// A position or a direction in world units.
+    Coordinates(DVec3) = |v: Vec<f64>| bounds::coordinates(&v), of Vec<f64> as "Vec<f64>";
+    /// A share of light: linear Rec.709, each component in [0, 1].
+    Colour(Vec3) = |v: Vec<f64>| bounds::reflectance(&v), of Vec<f64> as "Vec<f64>";
+    /// Emitted light: linear Rec.709, no component negative.
+    Radiance(Vec3) = |v: Vec<f64>| bounds::radiance(&v), of Vec<f64> as "Vec<f64>";
+    /// An index of refraction.
+    Ior(f32) = bounds::ior, of f64 as "f64";
+    /// An angle of view in degrees.
+    AngleOfView(f32) = bounds::angle_of_view, of f64 as "f64";
+    /// A width or height in pixels.
+    FilmSide(u32) = bounds::film_side, of i64 as "i64";
+    /// A number of path segments.
+    Depth(u32) = bounds::depth, of i64 as "i64";
+}

@@ -1,0 +1,75 @@
+//! Triangles of one material.
+
+use super::material::MaterialId;
+use glam::{Vec2, Vec3};
+
+/// Triangles of one material. The front of a triangle is the side from which its corners run
+/// counter-clockwise.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// What it is made of.
+    pub material: MaterialId,
+    /// Positions in world units, each coordinate in [-1e9, 1e9].
+    pub positions: Vec<Vec3>,
+    /// The corners of each triangle: indices into `positions`.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle the shading normals at its corners, of unit length on the side of the
+    /// front; zero at all three where the triangle is flat. `None`: the mesh is flat.
+    pub normals: Option<Vec<[Vec3; 3]>>,
+    /// For each triangle the texture coordinates at its corners; (0, 0) is the lower left corner of
+    /// a texture, (1, 1) the upper right one. `None`: the mesh has no texture.
+    pub texture_coordinates: Option<Vec<[Vec2; 3]>>,
+}
+
+impl Mesh {
+    /// A flat mesh without texture coordinates; see the fields.
+    pub fn new(material: MaterialId, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { material, positions, triangles, normals: None, texture_coordinates: None }
+    }
+
+    /// The positions of a triangle's corners.
+    ///
+    /// # Panics
+    ///
+    /// When there is no such triangle or position.
+    pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].map(|corner| self.positions[corner as usize])
+    }
+
+    /// Keeps the triangles with these corners only.
+    pub(super) fn retain(&mut self, mut keep: impl FnMut([Vec3; 3]) -> bool) {
+        let kept: Vec<bool> =
+            (0..self.triangles.len()).map(|triangle| keep(self.corners(triangle))).collect();
+        retain(&mut self.triangles, &kept);
+        self.normals.iter_mut().for_each(|normals| retain(normals, &kept));
+        self.texture_coordinates.iter_mut().for_each(|uvs| retain(uvs, &kept));
+    }
+}
+
+fn retain<T>(elements: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    elements.retain(|_| kept.next().is_some_and(|&kept| kept));
+}
+
+/// Whether a triangle has an area, and therefore a normal. What has none is never rendered.
+pub(crate) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    let exact = [a, b, c].map(|corner| corner.as_dvec3());
+    let area = (exact[1] - exact[0]).cross(exact[2] - exact[0]).length();
+    area > 0.0 && raystream_shaders::math::triangle_normal(b - a, c - a).is_finite()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_belongs_to_a_triangle_goes_with_it() {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let mut mesh = Mesh::new(MaterialId(0), positions, vec![[0, 1, 2], [0, 1, 1], [0, 1, 3]]);
+        mesh.normals = Some([Vec3::X, Vec3::Y, Vec3::Z].map(|n| [n; 3]).to_vec());
+        mesh.retain(has_area);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]]);
+        assert_eq!(mesh.normals, Some(vec![[Vec3::X; 3], [Vec3::Z; 3]]));
+        assert_eq!(mesh.texture_coordinates, None);
+    }
+}
