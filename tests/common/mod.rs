@@ -7,13 +7,10 @@ pub mod statistics;
 
 use raystream::exec::Executor;
 use raystream::exec::cpu::CpuExecutor;
-use raystream::exec::device::{Device, OpenOptions};
+use raystream::exec::device::Device;
 use raystream::exec::gpu::GpuExecutor;
 use raystream::film::Film;
-use raystream::render::{
-    BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, Renderer, Sampling, Settings,
-    Techniques,
-};
+use raystream::render::{BvhQuality, IntegratorKind, PreparedScene, Renderer, Sampling, Settings};
 use raystream::scene::Scene;
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -28,9 +25,9 @@ static GPU: Mutex<()> = Mutex::new(());
 /// [`REQUIRE_GPU`] is set.
 pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
     let _turn = GPU.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    match Device::open("gpu", OpenOptions::default()) {
+    match Device::open("gpu") {
         Ok(Device::Gpu(gpu)) => test(&gpu),
-        Ok(Device::Cpu(_)) => unreachable!("--device gpu gave the CPU"),
+        Ok(_) => unreachable!("the CPU is no GPU"),
         Err(error) => no_gpu(&error.to_string()),
     }
 }
@@ -76,7 +73,7 @@ pub fn render_on<E: Executor>(
     samples: u32,
 ) -> Film {
     let mut renderer = Renderer::new(executor, scene, settings).expect("the scene fits");
-    renderer.round(samples, &mut |_| ()).expect("the device works");
+    renderer.uniform_round(samples).finish().expect("the device works");
     renderer.finish_features().expect("the device works");
     renderer.film().expect("the device works")
 }
@@ -95,16 +92,10 @@ pub fn prepare(scene: &Scene) -> PreparedScene {
 /// say.
 pub fn settings(scene: &Scene) -> Settings {
     Settings {
-        size: scene.film,
         seed: 1,
         independent_sampler: true,
-        max_depth: scene.limits.max_depth,
-        roulette_depth: scene.limits.roulette_depth,
-        techniques: Techniques::Both,
-        background: glam::Vec3::ZERO,
-        ray_offset: raystream_shaders::scene::ray::OFFSET_ROUNDINGS,
         sampling: Sampling::UNIFORM,
         integrator: IntegratorKind::Megakernel,
-        light_cache: LightCacheSettings::default(),
+        ..Settings::for_scene(scene)
     }
 }
