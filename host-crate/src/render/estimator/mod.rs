@@ -8,7 +8,8 @@ pub mod settings;
 pub use buffers::{ComingRound, EstimateBuffers, Noise};
 
 use super::allocator::sampling::{AllocatorKind, Sampling};
-use super::round::{DeviceState, TimedLaunches};
+use super::round::launches::TimedLaunches;
+use super::round::state::DeviceState;
 use super::timings::{Part, Timings};
 use crate::exec::{Array, ExecError, Executor};
 use crate::scene::FilmSize;
