@@ -488,15 +488,16 @@ pub mod entry_points {
                 #[spirv(workgroup)] memory: &mut $Memory,
             ) {
                 let group = place.y * workgroups.x + place.x;
-                // The same for all lanes of a workgroup, so that all or none meet the barriers.
-                if group * $workgroup < $parameters.threads {
-                    let mut phase = 0;
-                    while phase < $phases {
+                let is_active = group * $workgroup < $parameters.threads;
+                let mut phase = 0;
+                while phase < $phases {
+                    if is_active {
                         let $lane = Lane { group, index };
                         $function(phase, $lane, $parameters, $($passed)* memory);
-                        workgroup_memory_barrier_with_group_sync();
-                        phase += 1;
                     }
+                    // All lanes meet it, whatever they do: WGSL must be able to see that.
+                    workgroup_memory_barrier_with_group_sync();
+                    phase += 1;
                 }
             }
         };

@@ -18,6 +18,12 @@ pub struct SceneFolder {
     folder: TempDir,
 }
 
+impl Default for SceneFolder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl SceneFolder {
     /// The scene that loads.
     pub fn new() -> Self {
@@ -53,7 +59,6 @@ impl SceneFolder {
     }
 
     /// Overrides the material `plain`.
-    #[allow(dead_code, reason = "not every test program overrides materials so")]
     pub fn plain(self, rule: Value) -> Self {
         self.json(|scene| scene["materials"] = json!({"plain": rule}))
     }
@@ -69,7 +74,6 @@ impl SceneFolder {
     }
 
     /// The message of the error that loading gives.
-    #[allow(dead_code, reason = "not every test program looks at errors")]
     pub fn error(&self) -> String {
         match self.load() {
             Ok(_) => panic!("a bad scene was accepted"),

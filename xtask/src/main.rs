@@ -3,15 +3,19 @@
 //! `cargo shaders` compiles the kernels to the SPIR-V module that the renderer embeds. The module
 //! is checked in, so that building the renderer takes nothing but stable Rust; whoever changes a
 //! kernel runs this and commits the result.
+//!
+//! `cargo xtask renders` lists digests of what a program renders: whoever changes code and means to
+//! change no picture compares the lists from before and after.
 #![deny(missing_docs)]
 
 mod compiler;
 mod digest;
 mod module;
+mod pipelines;
+mod renders;
 mod shaders;
 
 use clap::{Parser, Subcommand};
-use shaders::Outcome;
 use std::process::ExitCode;
 
 /// Raystream's developer commands.
@@ -39,17 +43,50 @@ enum Command {
         #[arg(long, conflicts_with = "check")]
         bounds_checks: bool,
     },
+    /// Print what the first GPU's Vulkan driver makes of each kernel: registers, spills, ...
+    Pipelines {
+        /// The SPIR-V module.
+        #[arg(default_value = digest::MODULE)]
+        module: std::path::PathBuf,
+    },
+    /// List digests of what a program renders, to find out whether a change to the code changed any
+    /// picture.
+    ///
+    /// Renders every shipped scene with every integrator, allocator and device, small and with few
+    /// samples, and prints a line for each: SHA-256 of the pixels of all layers, scene, integrator,
+    /// allocator, device. The large scenes are left out unless SCENES_DIR says where their geometry
+    /// is. The allocator `atomic`, whose sums depend on the order of threads, renders everything
+    /// twice, with a single thread where the device is one that lets it; where the two differ, the
+    /// list has `varies`, and comparisons leave it undecided. A GPU's digests hold for its model
+    /// and driver.
+    ///
+    /// Example: `cargo xtask renders --binary before/raystream > renders.txt`, then `cargo xtask
+    /// renders --binary after/raystream --against renders.txt`.
+    Renders(renders::Arguments),
+}
+
+/// How a command ended that did not fail, with what to tell the user.
+enum Outcome {
+    /// All is as it should be.
+    Good(String),
+    /// Something is not: exit status 1.
+    Bad(String),
 }
 
 fn main() -> ExitCode {
-    let Command::Shaders { check, bounds_checks } = Arguments::parse().command;
-    let outcome = if check { shaders::check() } else { shaders::write(bounds_checks) };
+    let outcome = match Arguments::parse().command {
+        Command::Shaders { check: true, .. } => shaders::check(),
+        Command::Shaders { bounds_checks, .. } => shaders::write(bounds_checks),
+        Command::Pipelines { module } => pipelines::print(&module)
+            .map(|()| Outcome::Good("That is what the driver says.".into())),
+        Command::Renders(arguments) => renders::run(&arguments),
+    };
     match outcome {
-        Ok(Outcome::UpToDate(message)) => {
+        Ok(Outcome::Good(message)) => {
             eprintln!("{message}");
             ExitCode::SUCCESS
         }
-        Ok(Outcome::Stale(message)) => {
+        Ok(Outcome::Bad(message)) => {
             eprintln!("error: {message}");
             ExitCode::from(1)
         }

@@ -1,18 +1,10 @@
 //! `cargo shaders`: writes the compiled kernels, or checks that the checked-in ones are current.
 
 use crate::digest::{self, DIGEST, MODULE};
-use crate::{compiler, module};
+use crate::{Outcome, compiler, module};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::Path;
-
-/// How a command ended that did not fail, with what to tell the user.
-pub enum Outcome {
-    /// The checked-in files are what the sources compile to.
-    UpToDate(String),
-    /// They are not.
-    Stale(String),
-}
 
 /// Compiles the kernels, and writes the module and the digest of what it was compiled from. Kernels
 /// that check every index are for debugging: [`check`] finds them stale.
@@ -29,7 +21,7 @@ pub fn write(bounds_checks: bool) -> Result<Outcome> {
     fs::write(root.join(DIGEST), digest::current(root)?)
         .with_context(|| format!("cannot write {DIGEST}"))?;
     let change = if unchanged { "unchanged" } else { "changed" };
-    Ok(Outcome::UpToDate(format!("{MODULE}: {} bytes, {change}", module.len())))
+    Ok(Outcome::Good(format!("{MODULE}: {} bytes, {change}", module.len())))
 }
 
 /// Compiles the kernels and compares with the checked-in module and digest.
@@ -39,7 +31,7 @@ pub fn check() -> Result<Outcome> {
     let module = fs::read(root.join(MODULE))
         .with_context(|| format!("cannot read {MODULE}; run `cargo shaders`"))?;
     if let Some(difference) = first_difference(&compiled, &module) {
-        return Ok(Outcome::Stale(format!(
+        return Ok(Outcome::Bad(format!(
             "{MODULE} is stale: it has {} bytes, the sources compile to {}, and they differ from offset {difference} on; \
              run `cargo shaders` and commit the result",
             module.len(),
@@ -49,11 +41,11 @@ pub fn check() -> Result<Outcome> {
     let digest = fs::read_to_string(root.join(DIGEST))
         .with_context(|| format!("cannot read {DIGEST}; run `cargo shaders`"))?;
     if !digest.lines().eq(digest::current(root)?.lines()) {
-        return Ok(Outcome::Stale(format!(
+        return Ok(Outcome::Bad(format!(
             "{DIGEST} is stale, though {MODULE} is not; run `cargo shaders` and commit the result"
         )));
     }
-    Ok(Outcome::UpToDate(format!("{MODULE} is what the sources compile to")))
+    Ok(Outcome::Good(format!("{MODULE} is what the sources compile to")))
 }
 
 fn compile(root: &Path, bounds_checks: bool) -> Result<Vec<u8>> {

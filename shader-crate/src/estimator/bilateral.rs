@@ -100,9 +100,9 @@ struct Filtered {
     /// Of the pixels' variances.
     variance: f32,
     /// The part of the variance that the pixel's difference from `color` does not show. If the
-    /// neighbours differ by noise of equal variance v alone, that difference has the variance v (1
-    /// - 2 a + s): `a` is the pixel's own weight and `s` the sum of all squared weights, of a sum
-    /// of 1.
+    /// neighbours differ by noise of equal variance `v` alone, that difference has the variance
+    /// `v (1 - 2 a + s)`: `a` is the pixel's own weight and `s` the sum of all squared weights, of
+    /// a sum of 1.
     shared_noise: f32,
 }
 

@@ -18,10 +18,14 @@ device_struct! {
     }
 }
 
+/// [`Ray::t_max`] of a ray without an end: beyond every scene, and a number that WGSL takes in
+/// decimal, unlike `f32::MAX`, which rounds up to infinity there.
+pub const NO_END: f32 = 1e38;
+
 impl Ray {
     /// The ray from `origin` along `direction` without an end.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self::segment(origin, direction, f32::MAX)
+        Self::segment(origin, direction, NO_END)
     }
 
     /// The ray from `origin` along `direction` up to, but not including, `t_max`.

@@ -30,7 +30,7 @@ pub struct Wavefront<B> {
     capacity: u32,
     /// Whether lanes without a path take the next slots.
     regenerates: bool,
-    /// Rows of queues: one for each iteration, rounded up so that what follows is aligned.
+    /// See [`queue_rows`].
     queues: u32,
     /// The queues and the states of the paths, see [`raystream_shaders::integrator::wavefront::pool`].
     rows: Array<B, UVec4>,
@@ -67,9 +67,15 @@ impl<B> Wavefront<B> {
         capacity: u32,
         regenerates: bool,
     ) -> Result<Self, ExecError> {
-        let fitting =
-            executor.limits().buffer_bytes / (u64::from(POOL_ROWS) * size_of::<UVec4>() as u64);
-        let capacity = u64::from(capacity).min(fitting).max(1) as u32;
+        let fitting = executor.limits().buffer_bytes / size_of::<UVec4>() as u64;
+        let rows_of = |capacity: u32| {
+            u64::from(queue_rows(stream, capacity, regenerates))
+                + u64::from(capacity) * u64::from(POOL_ROWS)
+        };
+        let mut capacity = u64::from(capacity).min(fitting / u64::from(POOL_ROWS)).max(1) as u32;
+        while capacity > WINDOW_ALIGNMENT && rows_of(capacity) > fitting {
+            capacity -= WINDOW_ALIGNMENT;
+        }
         let smallest = (stream / MOST_REPLACEMENTS).max(4 * WINDOW_ALIGNMENT);
         halve_until_it_fits(capacity, smallest, |capacity| {
             Self::allocate(executor, stream, capacity, regenerates)
@@ -83,9 +89,7 @@ impl<B> Wavefront<B> {
         regenerates: bool,
     ) -> Result<Self, ExecError> {
         let lanes = capacity as usize;
-        let passes = Pass::all(stream, capacity, regenerates, u32::MAX);
-        let iterations = passes.last().map_or(0, |pass| pass.iterations.end);
-        let queues = iterations.next_multiple_of(WINDOW_ALIGNMENT);
+        let queues = queue_rows(stream, capacity, regenerates);
         Ok(Self {
             capacity,
             regenerates,
@@ -114,6 +118,14 @@ impl<B> Wavefront<B> {
             stream.parameters.max_depth,
         )
     }
+}
+
+/// Rows of the pool's buffer for the queues of all iterations over a stream, rounded up so that what
+/// follows is aligned.
+fn queue_rows(stream: u32, capacity: u32, regenerates: bool) -> u32 {
+    let passes = Pass::all(stream, capacity, regenerates, u32::MAX);
+    let iterations = passes.last().map_or(0, |pass| pass.iterations.end);
+    iterations.next_multiple_of(WINDOW_ALIGNMENT)
 }
 
 /// The launches of one pass.

@@ -1,0 +1,14 @@
+//! The program as a user runs it, on the CPU with tiny pictures.
+
+mod adaptive;
+mod commands;
+mod convergence;
+mod integrators;
+mod interrupt;
+mod memory;
+mod options;
+mod outputs;
+mod program;
+mod renders;
+mod scenes;
+mod validation;

@@ -1,0 +1,443 @@
+//! The executor that runs kernels on a GPU, through wgpu.
+
+mod adapters;
+
+pub(super) use adapters::Adapters;
+
+use super::kernels::SPIRV;
+use super::{Access, ExecError, Executor, Kernel, Launch, Limits, kernels};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Bytes that are copied between host and device at once.
+const TRANSFER_BYTES: u64 = 64 << 20;
+
+/// How the kernels reach the driver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShaderPath {
+    /// The SPIR-V as it was compiled; Vulkan only.
+    Passthrough,
+    /// Translated by naga to the driver's language, with its bounds checks; for other drivers, and
+    /// for comparison.
+    Naga,
+}
+
+/// Runs kernels on one GPU.
+pub struct GpuExecutor {
+    name: String,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    pipelines: HashMap<&'static str, Pipeline>,
+    limits: wgpu::Limits,
+    /// What times parts of runs, where the device has a clock, and is kept from run to run.
+    clock: Option<Mutex<Clock>>,
+    /// What the driver reported outside of any call that could return it.
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+/// Two time stamps for each part of a run.
+struct Clock {
+    parts: u32,
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    staging: wgpu::Buffer,
+}
+
+impl Clock {
+    fn new(device: &wgpu::Device, parts: u32) -> Self {
+        let buffer = |label, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: u64::from(parts) * 16,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        Self {
+            parts,
+            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("parts of a run"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2 * parts,
+            }),
+            resolved: buffer(
+                "timestamps",
+                wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            ),
+            staging: buffer(
+                "timestamps",
+                wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            ),
+        }
+    }
+}
+
+struct Pipeline {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+impl GpuExecutor {
+    /// Opens `adapter` and compiles the kernels for it.
+    pub fn new(adapter: &wgpu::Adapter, path: ShaderPath) -> Result<Self, ExecError> {
+        let name = adapter.get_info().name;
+        let limits = adapter.limits();
+        let wanted = wgpu::Features::TIMESTAMP_QUERY
+            | match path {
+                ShaderPath::Passthrough => wgpu::Features::PASSTHROUGH_SHADERS,
+                ShaderPath::Naga => wgpu::Features::empty(),
+            };
+        let features = adapter.features() & wanted;
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("raystream"),
+            required_features: features,
+            required_limits: limits.clone(),
+            memory_hints: wgpu::MemoryHints::Performance,
+            ..Default::default()
+        }))
+        .map_err(|error| ExecError::Unsuitable {
+            device: name.clone(),
+            reason: error.to_string(),
+        })?;
+
+        let failure = Arc::new(Mutex::new(None));
+        let on_error = Arc::clone(&failure);
+        device.on_uncaptured_error(Arc::new(move |error| record(&on_error, error.to_string())));
+        let on_loss = Arc::clone(&failure);
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                record(&on_loss, format!("the device was lost: {message}"));
+            }
+        });
+
+        let mut executor = Self {
+            name,
+            pipelines: HashMap::new(),
+            limits,
+            clock: features
+                .contains(wgpu::Features::TIMESTAMP_QUERY)
+                .then(|| Mutex::new(Clock::new(&device, 32))),
+            failure,
+            device,
+            queue,
+        };
+        let module = executor.shader_module(path);
+        executor.check()?;
+        for kernel in kernels::table::ALL {
+            let pipeline = executor.pipeline(&module, kernel);
+            executor.pipelines.insert(kernel.name, pipeline);
+        }
+        executor.check()?;
+        Ok(executor)
+    }
+
+    fn shader_module(&self, path: ShaderPath) -> wgpu::ShaderModule {
+        let words: Vec<u32> = bytemuck::pod_collect_to_vec(SPIRV);
+        match path {
+            ShaderPath::Passthrough => {
+                let entry_points = kernels::table::ALL
+                    .iter()
+                    .map(|kernel| wgpu::PassthroughShaderEntryPoint {
+                        name: kernel.name.into(),
+                        workgroup_size: (kernel.workgroup_size, 1, 1),
+                    })
+                    .collect::<Vec<_>>();
+                let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
+                    label: Some("kernels"),
+                    entry_points: entry_points.into(),
+                    spirv: Some(words.into()),
+                    ..Default::default()
+                };
+                // SAFETY: the module was validated when it was compiled, its interface is compared
+                // with the table by a test, and every launch binds what the table says.
+                unsafe { self.device.create_shader_module_passthrough(descriptor) }
+            }
+            ShaderPath::Naga => self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("kernels"),
+                source: wgpu::ShaderSource::SpirV(words.into()),
+            }),
+        }
+    }
+
+    fn pipeline(&self, module: &wgpu::ShaderModule, kernel: &Kernel) -> Pipeline {
+        let entries: Vec<_> = kernel
+            .bindings
+            .iter()
+            .zip(0..)
+            .map(|(binding, number)| wgpu::BindGroupLayoutEntry {
+                binding: number,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: wgpu::BindingType::Buffer {
+                    ty: match binding.access {
+                        Access::Uniform => wgpu::BufferBindingType::Uniform,
+                        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
+                        Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
+                    },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            })
+            .collect();
+        let layout = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(kernel.name),
+            entries: &entries,
+        });
+        let pipeline_layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(kernel.name),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(kernel.name),
+            layout: Some(&pipeline_layout),
+            module,
+            entry_point: Some(kernel.name),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: false,
+                ..Default::default()
+            },
+            cache: None,
+        });
+        Pipeline { pipeline, layout }
+    }
+
+    /// The size of the launch's grid in workgroups: rows of at most as many as the device allows.
+    fn grid(&self, kernel: &Kernel, threads: u32) -> (u32, u32) {
+        let groups = threads.div_ceil(kernel.workgroup_size);
+        let rows = groups.div_ceil(self.limits.max_compute_workgroups_per_dimension).max(1);
+        (groups.div_ceil(rows), rows)
+    }
+
+    fn bind_group(
+        &self,
+        launch: &Launch<'_, wgpu::Buffer>,
+        parameters: &wgpu::Buffer,
+        first_byte: u64,
+    ) -> wgpu::BindGroup {
+        let part = |buffer, offset, bytes| {
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer,
+                offset,
+                size: std::num::NonZero::new(bytes),
+            })
+        };
+        let uniform = part(parameters, first_byte, launch.parameters.len() as u64);
+        let storage =
+            launch.views.iter().map(|view| part(view.buffer, view.first_byte, view.bytes));
+        let entries: Vec<_> = std::iter::once(uniform)
+            .chain(storage)
+            .zip(0..)
+            .map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(launch.kernel.name),
+            layout: &self.pipelines[launch.kernel.name].layout,
+            entries: &entries,
+        })
+    }
+
+    /// All launches' parameter blocks in one buffer, and where each starts.
+    fn parameter_buffer<'a, 'b: 'a>(
+        &self,
+        launches: impl Iterator<Item = &'a Launch<'b, wgpu::Buffer>>,
+    ) -> (wgpu::Buffer, Vec<u64>) {
+        let alignment = self.limits.min_uniform_buffer_offset_alignment as usize;
+        let mut bytes = Vec::new();
+        let mut starts = Vec::new();
+        for launch in launches {
+            bytes.resize(bytes.len().next_multiple_of(alignment), 0);
+            starts.push(bytes.len() as u64);
+            bytes.extend(&launch.parameters);
+        }
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("parameters"),
+            size: bytes.len() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, &bytes);
+        (buffer, starts)
+    }
+
+    /// Waits for all submitted work.
+    fn wait(&self) -> Result<(), ExecError> {
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| self.failed(error.to_string()))?;
+        self.check()
+    }
+
+    /// What the driver reported since the last check.
+    fn check(&self) -> Result<(), ExecError> {
+        match self.failure.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            Some(message) => Err(self.failed(message)),
+            None => Ok(()),
+        }
+    }
+
+    fn failed(&self, message: String) -> ExecError {
+        ExecError::Device { device: self.name.clone(), message }
+    }
+
+    /// Copies at most [`TRANSFER_BYTES`] to the host.
+    fn read_part(
+        &self,
+        buffer: &wgpu::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
+        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("staging"),
+            size: bytes,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, first_byte, &staging, 0, bytes);
+        self.queue.submit([encoder.finish()]);
+        self.map(&staging, bytes)
+    }
+
+    /// Waits for all submitted work, and copies the first `bytes` bytes of a staging buffer.
+    fn map(&self, staging: &wgpu::Buffer, bytes: u64) -> Result<Vec<u8>, ExecError> {
+        staging.map_async(wgpu::MapMode::Read, ..bytes, |_| {});
+        self.wait()?;
+        let mapped =
+            staging.get_mapped_range(..bytes).map_err(|error| self.failed(error.to_string()))?;
+        let copy = mapped.to_vec();
+        drop(mapped);
+        staging.unmap();
+        Ok(copy)
+    }
+}
+
+/// Bytes of the largest buffer that can be bound whole.
+pub(super) fn largest_buffer(limits: &wgpu::Limits) -> u64 {
+    // Bindings are whole multiples of 4 bytes, which 2 GiB - 1, a common limit, is not.
+    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / 256 * 256
+}
+
+fn record(failure: &Mutex<Option<String>>, message: String) {
+    // The first report is the cause; what follows are its consequences.
+    failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+}
+
+impl Executor for GpuExecutor {
+    type Buffer = wgpu::Buffer;
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn limits(&self) -> Limits {
+        Limits {
+            buffer_bytes: largest_buffer(&self.limits),
+            alignment: u64::from(self.limits.min_storage_buffer_offset_alignment),
+        }
+    }
+
+    fn allocate(&self, label: &'static str, bytes: u64) -> Result<wgpu::Buffer, ExecError> {
+        self.check_size(label, bytes)?;
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes.next_multiple_of(4),
+            usage: wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::COPY_DST
+                | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        if pollster::block_on(scope.pop()).is_some() {
+            return Err(ExecError::OutOfMemory { device: self.name.clone(), label, bytes });
+        }
+        self.check()?;
+        Ok(buffer)
+    }
+
+    fn write(&self, buffer: &wgpu::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
+        let mut at = first_byte;
+        for part in bytes.chunks(TRANSFER_BYTES as usize) {
+            self.queue.write_buffer(buffer, at, part);
+            self.queue.submit([]);
+            self.wait()?;
+            at += part.len() as u64;
+        }
+        Ok(())
+    }
+
+    fn read(
+        &self,
+        buffer: &wgpu::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
+        let mut copy = Vec::with_capacity(bytes as usize);
+        while (copy.len() as u64) < bytes {
+            let done = copy.len() as u64;
+            copy.extend(self.read_part(
+                buffer,
+                first_byte + done,
+                TRANSFER_BYTES.min(bytes - done),
+            )?);
+        }
+        Ok(copy)
+    }
+
+    fn run_parts(&self, parts: &[&[Launch<'_, wgpu::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
+        if parts.is_empty() {
+            return Ok(Vec::new());
+        }
+        let start = Instant::now();
+        let count = parts.len() as u32;
+        let mut clock =
+            self.clock.as_ref().map(|clock| clock.lock().unwrap_or_else(PoisonError::into_inner));
+        if let Some(clock) = &mut clock
+            && clock.parts < count
+        {
+            // Twice the number, so that little is made over and over while runs get longer.
+            **clock = Clock::new(&self.device, (2 * count).min(wgpu::QUERY_SET_MAX_QUERIES / 2));
+        }
+        let clock = clock.as_deref().filter(|clock| clock.parts >= count);
+        let (parameters, starts) = self.parameter_buffer(parts.iter().copied().flatten());
+        let mut starts = starts.into_iter();
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        for (part, first_stamp) in parts.iter().zip((0..).step_by(2)) {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: part.first().map(|launch| launch.kernel.name),
+                timestamp_writes: clock.map(|clock| wgpu::ComputePassTimestampWrites {
+                    query_set: &clock.queries,
+                    beginning_of_pass_write_index: Some(first_stamp),
+                    end_of_pass_write_index: Some(first_stamp + 1),
+                }),
+            });
+            for (launch, first_byte) in part.iter().zip(&mut starts) {
+                pass.set_pipeline(&self.pipelines[launch.kernel.name].pipeline);
+                pass.set_bind_group(0, &self.bind_group(launch, &parameters, first_byte), &[]);
+                let (columns, rows) = self.grid(launch.kernel, launch.threads());
+                pass.dispatch_workgroups(columns, rows, 1);
+            }
+        }
+        let Some(clock) = clock else {
+            self.queue.submit([encoder.finish()]);
+            self.wait()?;
+            // Without a device clock the best guess is an even share.
+            return Ok(vec![start.elapsed() / count; parts.len()]);
+        };
+        // Read back with the same submission: a second one would be a second round trip.
+        let stamps = 2 * count;
+        let bytes = u64::from(stamps) * 8;
+        encoder.resolve_query_set(&clock.queries, 0..stamps, &clock.resolved, 0);
+        encoder.copy_buffer_to_buffer(&clock.resolved, 0, &clock.staging, 0, bytes);
+        self.queue.submit([encoder.finish()]);
+        let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&self.map(&clock.staging, bytes)?);
+        let period = f64::from(self.queue.get_timestamp_period());
+        Ok(stamps
+            .chunks_exact(2)
+            .map(|stamp| {
+                Duration::from_nanos((stamp[1].saturating_sub(stamp[0]) as f64 * period) as u64)
+            })
+            .collect())
+    }
+}

@@ -1,0 +1,451 @@
+//! Allocators: budgets, proportions, strange errors, and films that are sequential sums, bit for
+//! bit, on both processors.
+
+use bytemuck::Zeroable;
+use glam::Vec3;
+use raystream::exec::cpu::CpuExecutor;
+use raystream::exec::{Array, Executor};
+use raystream::render::AllocatorKind::{self, Atomic, Paper, Runs, Uniform};
+use raystream::render::allocator::{Allocator, RoundBuffers, create, paper};
+use raystream::render::film::FilmBuffers;
+use raystream::scene::FilmSize;
+use raystream_shaders::film::stream::{NO_PIXEL, Slot};
+use raystream_shaders::film::{Contribution, FilmPixel};
+use raystream_shaders::math::random::{hash, unit_float};
+use raystream_tests::executors::Hindered;
+use raystream_tests::statistics::assert_chi_square;
+use raystream_tests::with_gpu;
+
+const ADAPTIVE: [AllocatorKind; 3] = [Paper, Atomic, Runs];
+const ALL: [AllocatorKind; 4] = [Uniform, Paper, Atomic, Runs];
+
+/// A round to be made: its errors in rank order, its length, its random number.
+#[derive(Clone)]
+struct Round {
+    size: FilmSize,
+    errors: Vec<f32>,
+    slots: u32,
+    salt: u32,
+}
+
+/// What became of it.
+#[derive(Debug, PartialEq)]
+struct Made {
+    slots: Vec<Slot>,
+    filled: u32,
+    /// In rank order.
+    film: Vec<FilmPixel>,
+}
+
+impl Round {
+    fn new(errors: Vec<f32>, slots: u32) -> Self {
+        let width = 40;
+        let height = errors.len() as u32 / width;
+        assert_eq!(errors.len() as u32, width * height);
+        Self { size: FilmSize { width, height }, errors, slots, salt: 1 }
+    }
+
+    fn pixels(&self) -> u32 {
+        self.size.width * self.size.height
+    }
+
+    /// Samples that each pixel has before the round.
+    fn counts_before(&self) -> Vec<u32> {
+        (0..self.pixels()).map(|p| 5 + hash(p) % 3).collect()
+    }
+
+    fn contributions(&self, exact: bool) -> Vec<Contribution> {
+        (0..self.slots)
+            .map(|slot| {
+                let word = |k: u32| hash(slot * 8 + k);
+                // Of any size and sign, so that every sum rounds; or whole numbers, whose sums are
+                // exact in any order.
+                let number = |k: u32| {
+                    if exact {
+                        (word(k) % 1000) as f32
+                    } else {
+                        (unit_float(word(k)) - 0.5) * f32::exp2((word(k) % 200) as f32 - 100.0)
+                    }
+                };
+                let vector = |k| Vec3::new(number(k), number(k + 1), number(k + 2));
+                Contribution {
+                    radiance: vector(0),
+                    rays: word(6) >> 20,
+                    squared: vector(3),
+                    pad: 0,
+                }
+            })
+            .collect()
+    }
+
+    fn film_before(&self) -> Vec<FilmPixel> {
+        self.counts_before()
+            .into_iter()
+            .map(|samples| FilmPixel {
+                samples,
+                sum: Vec3::splat(samples as f32),
+                ..FilmPixel::zeroed()
+            })
+            .collect()
+    }
+
+    fn make<E: Executor>(&self, executor: &E, kind: AllocatorKind, exact: bool) -> Made {
+        let allocator = create(kind, executor, self.pixels()).unwrap();
+        self.make_with(executor, allocator.as_ref(), exact)
+    }
+
+    fn make_with<E: Executor>(
+        &self,
+        executor: &E,
+        allocator: &dyn Allocator<E>,
+        exact: bool,
+    ) -> Made {
+        let film = FilmBuffers::new(executor, self.size).unwrap();
+        let before = self.film_before();
+        for band in film.bands() {
+            band.film
+                .write(executor, &before[band.first_rank as usize..][..band.film.len()])
+                .unwrap();
+        }
+        let errors = Array::from_slice(executor, "errors", &self.errors).unwrap();
+        // Old slots are lying about.
+        let slots = Array::from_slice(
+            executor,
+            "slots",
+            &vec![Slot { rank: 3, sample: 9 }; self.slots as usize],
+        )
+        .unwrap();
+        let contributions =
+            Array::from_slice(executor, "contributions", &self.contributions(exact)).unwrap();
+        let buffers = RoundBuffers {
+            film: &film,
+            errors: &errors,
+            slots: &slots,
+            contributions: &contributions,
+            salt: self.salt,
+        };
+        // Uniform windows are of whole tiles.
+        let largest = self.slots.next_multiple_of(64 * self.slots.div_ceil(self.pixels()));
+        let streams = allocator.streams(&film, u64::from(self.slots), largest);
+        let [stream] = streams.as_slice() else { panic!("one stream: {streams:?}") };
+        executor.run(&allocator.fill(&buffers, stream)).unwrap();
+        let filled_slots = slots.read(executor).unwrap();
+        executor.run(&allocator.accumulate(&buffers, stream)).unwrap();
+        let film = film.bands().iter().flat_map(|band| band.film.read(executor).unwrap()).collect();
+        Made { slots: filled_slots, filled: allocator.filled(executor, stream).unwrap(), film }
+    }
+
+    /// Samples that each pixel got in a round.
+    fn counts(&self, made: &Made) -> Vec<u32> {
+        let mut counts = vec![0; self.pixels() as usize];
+        for slot in made.slots.iter().filter(|slot| slot.rank != NO_PIXEL) {
+            counts[slot.rank as usize] += 1;
+        }
+        counts
+    }
+
+    /// What must hold for every allocator.
+    fn assert_sound(&self, made: &Made, what: &str) {
+        let counts = self.counts(made);
+        assert_eq!(counts.iter().sum::<u32>(), made.filled, "{what}: slots that have a pixel");
+        // Sample numbers continue each pixel's count without gaps.
+        let before = self.counts_before();
+        let mut numbers = vec![Vec::new(); counts.len()];
+        for slot in made.slots.iter().filter(|slot| slot.rank != NO_PIXEL) {
+            numbers[slot.rank as usize].push(slot.sample);
+        }
+        for (pixel, mut numbers) in numbers.into_iter().enumerate() {
+            numbers.sort_unstable();
+            let expected: Vec<u32> = (before[pixel]..before[pixel] + counts[pixel]).collect();
+            assert_eq!(numbers, expected, "{what}: samples of pixel {pixel}");
+        }
+    }
+
+    /// The film as one thread would add it up, in the order of the slots.
+    fn sequential_film(&self, made: &Made, exact: bool) -> Vec<FilmPixel> {
+        let mut film = self.film_before();
+        for (slot, contribution) in made.slots.iter().zip(self.contributions(exact)) {
+            if slot.rank != NO_PIXEL {
+                film[slot.rank as usize].add(&contribution);
+            }
+        }
+        film
+    }
+}
+
+/// Errors over many orders of magnitude, some of them 0.
+fn wild_errors(pixels: u32) -> Vec<f32> {
+    (0..pixels)
+        .map(|p| {
+            if hash(p ^ 77).is_multiple_of(9) {
+                0.0
+            } else {
+                f32::exp2((hash(p) % 40) as f32 - 30.0)
+            }
+        })
+        .collect()
+}
+
+fn assert_same_bytes<T: bytemuck::NoUninit>(a: &[T], b: &[T], what: &str) {
+    assert_eq!(a.len(), b.len());
+    let first = a.iter().zip(b).position(|(a, b)| bytemuck::bytes_of(a) != bytemuck::bytes_of(b));
+    assert_eq!(first, None, "{what}: the first element that differs");
+}
+
+#[test]
+fn budgets_are_met_and_films_are_sequential_sums() {
+    for (rows, budget) in [(30, 1200), (30, 1), (30, 777), (30, 9600), (64, 5000), (700, 28_000)] {
+        let pixels = 40 * rows;
+        let round = Round::new(wild_errors(pixels), budget);
+        for kind in ALL {
+            // What uniform sampling gives is a multiple of the pixels.
+            let round = match kind {
+                Uniform => Round { slots: pixels * (budget / pixels).max(1), ..round.clone() },
+                _ => round.clone(),
+            };
+            let what = format!("{kind:?}, {pixels} pixels, {} slots", round.slots);
+            let exact = kind == Atomic;
+            let cpu = round.make(&CpuExecutor, kind, exact);
+            round.assert_sound(&cpu, &what);
+            assert_same_bytes(&cpu.film, &round.sequential_film(&cpu, exact), &what);
+            // These errors leave the paper's method enough pixels for every one of its streams.
+            assert_eq!(cpu.filled, round.slots, "{what}: the budget");
+            with_gpu(|gpu| {
+                let gpu = round.make(gpu, kind, exact);
+                round.assert_sound(&gpu, &what);
+                assert_same_bytes(&gpu.film, &round.sequential_film(&gpu, exact), &what);
+                if kind == Atomic {
+                    // In whatever order, every pixel gets as many.
+                    assert_eq!(round.counts(&gpu), round.counts(&cpu), "{what}");
+                } else {
+                    assert_same_bytes(&gpu.slots, &cpu.slots, &what);
+                    assert_same_bytes(&gpu.film, &cpu.film, &what);
+                    assert_eq!(gpu.filled, cpu.filled);
+                }
+            });
+        }
+    }
+}
+
+#[test]
+fn films_are_sequential_sums_however_far_apart_runs_are() {
+    // Pixels that have not converged: runs of a thousand slots, and two of a few with all the
+    // picture between them.
+    for (live, budget) in [(3000, 9600), (27_999, 9600), (27_999, 100), (1100, 300)] {
+        let errors = (0..28_000)
+            .map(|pixel| if pixel % live == 0 { 1.0 + (pixel % 7) as f32 } else { -1.0 })
+            .collect();
+        let round = Round::new(errors, budget);
+        let cpu = round.make(&CpuExecutor, Runs, false);
+        round.assert_sound(&cpu, "far apart");
+        assert_same_bytes(&cpu.film, &round.sequential_film(&cpu, false), "far apart");
+        with_gpu(|gpu| {
+            assert_same_bytes(&round.make(gpu, Runs, false).film, &cpu.film, "far apart")
+        });
+    }
+}
+
+#[test]
+fn neighbours_in_a_stream_of_runs_are_neighbours_in_the_picture() {
+    let round = Round::new(wild_errors(1200), 3000);
+    let made = round.make(&CpuExecutor, Runs, false);
+    assert!(
+        made.slots.is_sorted_by_key(|slot| (slot.rank, slot.sample)),
+        "runs follow each other in rank order"
+    );
+}
+
+#[test]
+fn no_pixel_is_twice_in_a_stream_of_the_paper() {
+    let round = Round::new(wild_errors(1200), 3000);
+    let allocator = paper::Paper::new(&CpuExecutor, round.pixels()).unwrap();
+    let made = round.make_with(&CpuExecutor, &allocator, false);
+    let streams = allocator.states(&CpuExecutor).unwrap();
+    let taken: u32 = streams.iter().map(|stream| stream.taken).sum();
+    assert_eq!(taken, made.filled);
+    assert!(
+        streams.iter().filter(|stream| stream.taken > 0).count() > 3,
+        "several streams were kept"
+    );
+    assert!(
+        streams.iter().any(|stream| stream.wanted > 0 && stream.taken == 0),
+        "one that was too long was dropped"
+    );
+    for stream in streams.iter().filter(|stream| stream.taken > 0) {
+        let slots = &made.slots[stream.filled as usize..][..stream.taken as usize];
+        assert!(
+            slots.is_sorted_by(|a, b| a.rank < b.rank),
+            "strictly ascending ranks: no pixel twice"
+        );
+    }
+}
+
+/// Over all 256 phases a pixel gets exactly its weight, which is its share of the errors and of the
+/// uniform part, rounded to 1/256 of a sample.
+#[test]
+fn runs_are_proportional_to_errors() {
+    let pixels = 800;
+    let errors: Vec<f32> =
+        (0..pixels).map(|p| unit_float(hash(p)) * unit_float(hash(p ^ 99)) * 1e-4).collect();
+    let budget = 500;
+    let round = Round::new(errors.clone(), budget);
+    let mut totals = vec![0_u32; pixels as usize];
+    for phase in 0..256 {
+        let made = Round { salt: phase, ..round.clone() }.make(&CpuExecutor, Runs, false);
+        totals.iter_mut().zip(round.counts(&made)).for_each(|(total, count)| *total += count);
+    }
+    let sum: f64 = errors.iter().map(|&e| f64::from(e)).sum();
+    for (pixel, (&total, &error)) in totals.iter().zip(&errors).enumerate() {
+        let share = 0.9 * f64::from(error) / sum + 0.1 / f64::from(pixels);
+        let expected = share * f64::from(budget) * 256.0;
+        assert!(
+            (f64::from(total) - expected).abs() <= 2.0,
+            "pixel {pixel}: {total}/256 samples, not {expected:.2}"
+        );
+    }
+}
+
+/// The same by chance alone: random rounds of all allocators, counted over many seeds.
+#[test]
+fn expected_samples_are_proportional_to_errors() {
+    let pixels = 200;
+    // Within a factor of 4, so that no pixel is sure to be in a stream of the paper's.
+    let errors: Vec<f32> = (0..pixels).map(|p| 0.25 + 0.75 * unit_float(hash(p))).collect();
+    let sum: f64 = errors.iter().map(|&e| f64::from(e)).sum();
+    for (kind, uniform_share) in [(Paper, 0.0), (Runs, 0.1)] {
+        let budget = 20;
+        let mut totals = vec![0_u32; pixels as usize];
+        let rounds = 1500;
+        for seed in 0..rounds {
+            let round = Round { salt: hash(seed), ..Round::new(errors.clone(), budget) };
+            let made = round.make(&CpuExecutor, kind, false);
+            assert_eq!(made.filled, budget);
+            totals.iter_mut().zip(round.counts(&made)).for_each(|(total, count)| *total += count);
+        }
+        let expected: Vec<f64> = errors
+            .iter()
+            .map(|&error| {
+                let share = (1.0 - uniform_share) * f64::from(error) / sum
+                    + uniform_share / f64::from(pixels);
+                share * f64::from(budget * rounds)
+            })
+            .collect();
+        assert_chi_square(&totals, &expected, &format!("{kind:?}"));
+    }
+    // The rounding of `atomic` is not random: each pixel gets its share to less than one sample.
+    let round = Round::new(errors.clone(), 5000);
+    let counts = round.counts(&round.make(&CpuExecutor, Atomic, false));
+    for (&count, &error) in counts.iter().zip(&errors) {
+        let expected = f64::from(error) / sum * 5000.0;
+        assert!(
+            (f64::from(count) - expected).abs() < 1.0 + 1e-3,
+            "{count} samples, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn strange_errors_behave() {
+    let pixels = 1200_usize;
+    let on_both =
+        |round: &Round, kind: AllocatorKind, what: &str, check: &dyn Fn(&Made, &[u32])| {
+            let cpu = round.make(&CpuExecutor, kind, true);
+            round.assert_sound(&cpu, what);
+            check(&cpu, &round.counts(&cpu));
+            with_gpu(|gpu| {
+                let gpu = round.make(gpu, kind, true);
+                round.assert_sound(&gpu, what);
+                assert_eq!(round.counts(&gpu), round.counts(&cpu), "{what}");
+            });
+        };
+    for kind in ADAPTIVE {
+        // Nothing known: all alike.
+        let round = Round::new(vec![0.0; pixels], 3000);
+        on_both(&round, kind, &format!("{kind:?}, no errors"), &|made, counts| {
+            assert_eq!(made.filled, 3000, "{kind:?}");
+            assert!(counts.iter().all(|&c| c == 2 || c == 3), "{kind:?}: {counts:?}");
+        });
+        // All converged: as if nothing were known.
+        let round = Round::new(vec![-1.0; pixels], 1200);
+        on_both(&round, kind, &format!("{kind:?}, all converged"), &|made, counts| {
+            assert_eq!(made.filled, 1200, "{kind:?}");
+            assert!(counts.iter().all(|&c| c == 1), "{kind:?}: {counts:?}");
+        });
+        // One pixel alone.
+        let mut errors = vec![0.0; pixels];
+        errors[321] = 1e-20;
+        let round = Round::new(errors, 3000);
+        on_both(&round, kind, &format!("{kind:?}, one error"), &|made, counts| match kind {
+            // A pixel is in every stream at most once, all others are in the last one alone; the
+            // rest stays empty.
+            Paper => {
+                assert!((2..=34).contains(&counts[321]), "{}", counts[321]);
+                assert_eq!(made.filled, 1199 + counts[321]);
+            }
+            Atomic => assert_eq!(counts[321], 3000),
+            // Its error weighs as much as 16 average ones would, the uniform share as much as a
+            // ninth of all errors.
+            _ => {
+                assert_eq!(made.filled, 3000);
+                let share = 16.0 / (16.0 + 1200.0 / 9.0);
+                let expected = 3000.0 * (share + (1.0 - share) / 1200.0);
+                assert!(
+                    (f64::from(counts[321]) - expected).abs() <= 1.5,
+                    "{} samples, not {expected}",
+                    counts[321]
+                );
+            }
+        });
+        // What is not finite counts as 0, what has converged gets nothing, the others do not
+        // notice.
+        let mut errors = wild_errors(pixels as u32);
+        for (pixel, error) in
+            [(5, f32::NAN), (600, f32::INFINITY), (700, -f32::NAN), (1199, f32::NEG_INFINITY)]
+        {
+            errors[pixel] = error;
+        }
+        errors[100..200].fill(-1.0);
+        let tame: Vec<f32> = errors.iter().map(|&e| if e.is_finite() { e } else { 0.0 }).collect();
+        let tame = Round::new(tame, 4000);
+        let counts_of_tame = tame.counts(&tame.make(&CpuExecutor, kind, true));
+        let round = Round::new(errors, 4000);
+        on_both(&round, kind, &format!("{kind:?}, strange errors"), &|made, counts| {
+            assert_eq!(made.filled, 4000, "{kind:?}");
+            assert_eq!(counts[100..200].iter().sum::<u32>(), 0, "{kind:?}: converged pixels");
+            assert!(counts[5] <= 1 && counts[600] <= 1, "{kind:?}: {} {}", counts[5], counts[600]);
+            assert_eq!(counts, counts_of_tame, "{kind:?}: what is not finite counts as 0");
+        });
+        // The largest and smallest numbers there are.
+        let extreme =
+            (0..pixels).map(|p| [f32::MAX, f32::MIN_POSITIVE, 1e-45, 1.0][p % 4]).collect();
+        on_both(
+            &Round::new(extreme, 2400),
+            kind,
+            &format!("{kind:?}, extreme errors"),
+            &|made, counts| {
+                assert_eq!(made.filled, 2400, "{kind:?}");
+                assert!(
+                    counts.iter().step_by(4).sum::<u32>() >= 2100,
+                    "{kind:?}: the largest errors get nearly all"
+                );
+            },
+        );
+    }
+}
+
+#[test]
+fn bands_change_nothing() {
+    let round = Round::new(wild_errors(1200), 2500);
+    let small = Hindered::by_buffers(&CpuExecutor, 48 * 64 * 5);
+    assert_eq!(FilmBuffers::new(&small, round.size).unwrap().bands().len(), 4);
+    for kind in ADAPTIVE {
+        let exact = kind == Atomic;
+        let whole = round.make(&CpuExecutor, kind, exact);
+        let bands = round.make(&small, kind, exact);
+        assert_eq!(round.counts(&bands), round.counts(&whole), "{kind:?}");
+        if kind != Atomic {
+            assert_same_bytes(&bands.slots, &whole.slots, &format!("{kind:?}"));
+        }
+        assert_same_bytes(&bands.film, &round.sequential_film(&bands, exact), &format!("{kind:?}"));
+    }
+}

@@ -1,0 +1,7 @@
+//! The error estimators: what they make of films whose truth is known, and the GPU against the CPU.
+
+mod devices;
+mod edges;
+mod forms;
+mod noise;
+mod walls;

@@ -1,0 +1,5 @@
+//! Devices, and the kernels that they are given.
+
+mod gpu;
+mod shaders;
+mod wgsl;

@@ -1,0 +1,3 @@
+//! Pictures on disk.
+
+mod references;

@@ -1,0 +1,3 @@
+//! What many threads do together.
+
+mod compaction;

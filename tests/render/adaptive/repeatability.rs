@@ -1,0 +1,68 @@
+//! The same command gives the same film, bit for bit.
+
+use super::renders::{room, sampling, small};
+use raystream::exec::Executor;
+use raystream::exec::cpu::CpuExecutor;
+use raystream::exec::kernels::table;
+use raystream::film::Film;
+use raystream::render::AllocatorKind::{self, Paper, Runs, Uniform};
+use raystream::render::{Budget, Estimator, PreparedScene, Renderer, Settings, run};
+use raystream_tests::{scenes, with_gpu};
+
+/// All but `atomic`, whose slots go to whoever comes first.
+const REPEATABLE: [AllocatorKind; 3] = [Uniform, Paper, Runs];
+
+/// Renders 36 samples per pixel; the film, and the number of batches.
+fn film<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings) -> (Film, usize) {
+    let mut renderer = Renderer::new(executor, scene, settings).unwrap();
+    let mut batches = 0;
+    let mut last = 0;
+    run(&mut renderer, Budget::samples(36), &|| false, &mut |progress| {
+        assert!(progress.paths > last, "progress");
+        last = progress.paths;
+        batches += 1;
+    })
+    .unwrap();
+    (renderer.film().unwrap(), batches)
+}
+
+fn rooms() -> impl Iterator<Item = (PreparedScene, Settings, String)> {
+    REPEATABLE.into_iter().map(|allocator| {
+        let (scene, settings) = room(scenes::glass(1.5), 37, 23);
+        let settings = Settings {
+            sampling: sampling(allocator, Estimator::Bilateral),
+            independent_sampler: false,
+            ..settings
+        };
+        (scene, settings, format!("{allocator:?}"))
+    })
+}
+
+#[test]
+fn films_are_the_same_on_the_cpu_whatever_the_batches() {
+    for (scene, settings, name) in rooms() {
+        let (first, batches) = film(&small(&CpuExecutor), &scene, &settings);
+        let (second, _) = film(&small(&CpuExecutor), &scene, &settings);
+        assert!(first == second, "{name}");
+        let (slow, short_batches) =
+            film(&small(&CpuExecutor).with_slow_batches(&table::trace_paths, 3), &scene, &settings);
+        assert!(
+            short_batches > batches,
+            "{name}: {batches} batches, and {short_batches} after slow ones"
+        );
+        assert!(first == slow, "{name}: batches show");
+        let (other, _) = film(&small(&CpuExecutor), &scene, &Settings { seed: 2, ..settings });
+        assert!(first != other, "{name}: another seed is another film");
+    }
+}
+
+#[test]
+fn films_are_the_same_on_the_gpu() {
+    with_gpu(|gpu| {
+        for (scene, settings, name) in rooms() {
+            let (first, _) = film(&small(gpu), &scene, &settings);
+            let (second, _) = film(&small(gpu), &scene, &settings);
+            assert!(first == second, "{name}");
+        }
+    });
+}

@@ -1,0 +1,6 @@
+//! Whole renders.
+
+mod adaptive;
+mod devices;
+mod references;
+mod rounds;

@@ -1,0 +1,4 @@
+//! Materials.
+
+mod diffuse;
+mod specular;

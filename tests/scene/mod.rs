@@ -1,0 +1,9 @@
+//! Scenes: files, traversal, and everything that is drawn at random against the density that it
+//! claims.
+
+mod bsdf;
+mod camera;
+mod errors;
+mod light;
+mod loading;
+mod traversal;

@@ -1,0 +1,22 @@
+//! What the tests share: scenes, devices, renders and statistics.
+
+pub mod devices;
+pub mod executors;
+pub mod histogram;
+pub mod large_scenes;
+pub mod materials;
+pub mod renders;
+pub mod scene_folder;
+pub mod scenes;
+pub mod statistics;
+
+pub use devices::{has_gpu, no_gpu, with_gpu};
+pub use large_scenes::large_scenes;
+pub use renders::{prepare, render, render_on, settings};
+
+/// Says what is left out on the terminal itself: the test harness hides what passing tests print
+/// the usual way.
+pub fn not_tested(what: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "NOT TESTED: {what}");
+}
