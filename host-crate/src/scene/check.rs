@@ -200,3 +200,76 @@ fn check_texture_coordinates(mesh: &Mesh) -> Result<(), InvalidScene> {
         None => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::camera::Camera;
+    use crate::scene::light::QuadLight;
+    use crate::scene::material::MaterialId;
+    use crate::scene::texture::TextureId;
+    use glam::Vec2;
+
+    /// A triangle under a lamp.
+    fn scene() -> Scene {
+        let camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
+        let mut scene = Scene::new(camera, FilmSize { width: 4, height: 3 });
+        let material = scene.add_material(Material::diffuse(Vec3::ONE));
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        scene.add_mesh(Mesh::new(material, positions, vec![[0, 1, 2]]));
+        scene.add_quad_light(QuadLight::new(Vec3::Z, Vec3::X, Vec3::Y, Vec3::ONE));
+        scene
+    }
+
+    #[test]
+    fn good_scenes_pass() {
+        assert_eq!(scene().check(), Ok(()));
+        let mut flat = scene();
+        flat.meshes[0].triangles.push([1, 1, 1]);
+        assert_eq!(flat.check(), Ok(()), "a triangle without area is left out later");
+        let mut limits = scene();
+        limits.add_material(Material::glass(0.01));
+        limits.add_material(Material::emissive(Vec3::splat(1e12)));
+        assert_eq!(limits.check(), Ok(()), "limits survive being rounded to an f32");
+    }
+
+    #[test]
+    #[allow(clippy::type_complexity, reason = "a table of names and functions")]
+    fn what_is_wrong_is_named() {
+        let texture = |width, texels| Texture { width, height: 1, texels: vec![[0; 4]; texels] };
+        let nan = Vec3::new(0.0, f32::NAN, 0.0);
+        let cases: [(&str, &dyn Fn(&mut Scene)); 21] = [
+            ("film", &|s| s.film.width = 0),
+            ("camera", &|s| s.camera.target = s.camera.origin),
+            ("camera", &|s| s.camera.up = Vec3::ZERO),
+            ("camera", &|s| s.camera.fov_y = f32::NAN),
+            ("limits.max_depth", &|s| s.limits.max_depth = 0),
+            ("background", &|s| s.background = Vec3::NEG_X),
+            ("textures[0]", &|s| s.textures.push(texture(0, 0))),
+            ("textures[0]", &|s| s.textures.push(texture(2, 1))),
+            ("materials[0]", &|s| s.materials[0] = Material::textured(TextureId(0))),
+            ("materials[0]", &|s| s.materials[0] = Material::mirror(Vec3::splat(1.1))),
+            ("materials[0]", &|s| s.materials[0] = Material::glass(0.0)),
+            ("materials[0]", &|s| s.materials[0] = Material::emissive(nan)),
+            ("meshes[0].material", &|s| s.meshes[0].material = MaterialId(1)),
+            ("meshes[0].positions[1]", &|s| s.meshes[0].positions[1] = nan),
+            ("meshes[0].triangles[0]", &|s| s.meshes[0].triangles[0][2] = 3),
+            ("meshes[0].normals", &|s| s.meshes[0].normals = Some(Vec::new())),
+            ("meshes[0].normals[0]", &|s| s.meshes[0].normals = Some(vec![[Vec3::ONE; 3]])),
+            ("meshes[0].texture_coordinates[0]", &|s| {
+                s.meshes[0].texture_coordinates = Some(vec![[Vec2::INFINITY; 3]]);
+            }),
+            ("meshes[0].texture_coordinates", &|s| {
+                let texture = s.add_texture(texture(1, 1));
+                s.materials[0] = Material::textured(texture);
+            }),
+            ("quad_lights[0]", &|s| s.quad_lights[0].v = s.quad_lights[0].u),
+            ("quad_lights[0].radiance", &|s| s.quad_lights[0].radiance = nan),
+        ];
+        for (place, spoil) in cases {
+            let mut scene = scene();
+            spoil(&mut scene);
+            assert_eq!(scene.check().unwrap_err().place, place);
+        }
+    }
+}

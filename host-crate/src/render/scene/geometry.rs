@@ -68,3 +68,28 @@ fn attributes([normal0, normal1, normal2]: [Vec3; 3], coordinates: [Vec2; 3]) ->
     let [[u0, v0], [u1, v1], [u2, v2]] = coordinates.map(|uv| uv.to_array());
     Attributes { normal0, u0, normal1, v0, normal2, u1, v1, u2, v2, pad: 0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Camera, FilmSize, Material, QuadLight};
+
+    #[test]
+    fn triangles_come_in_order_and_without_those_that_have_no_area() {
+        let camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
+        let mut scene = Scene::new(camera, FilmSize { width: 4, height: 3 });
+        let material = scene.add_material(Material::diffuse(Vec3::ONE));
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        let mut mesh = Mesh::new(material, positions, vec![[0, 1, 2], [0, 1, 1], [2, 1, 0]]);
+        scene.add_mesh(mesh.clone());
+        mesh.normals = Some(vec![[Vec3::Z; 3], [Vec3::X; 3], [Vec3::NEG_Z; 3]]);
+        scene.add_mesh(mesh);
+        scene.add_quad_light(QuadLight::new(Vec3::Z, Vec3::X, Vec3::Y, Vec3::ONE));
+        let Geometry { triangles, attributes, degenerate } = gather(&scene);
+        assert_eq!(degenerate, 2);
+        let names: Vec<_> = triangles.iter().map(|t| (t.material, t.attributes)).collect();
+        let flat = NO_ATTRIBUTES;
+        assert_eq!(names, [(0, flat), (0, flat), (0, 0), (0, 1), (1, flat), (1, flat)]);
+        assert_eq!(attributes.iter().map(|a| a.normal2).collect::<Vec<_>>(), [Vec3::Z, -Vec3::Z]);
+    }
+}
