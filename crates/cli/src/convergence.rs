@@ -230,7 +230,7 @@ impl ConvergenceArguments {
         let reference =
             self.reference(executor, &prepared, &reference_settings, samples, &identity, &path)?;
         let measurement = measure(executor, &prepared, &settings, plan, &reference, &mut |line| {
-            self.tell(&format!("    {line}"))
+            self.tell(&format!("    {line}"));
         })?;
         self.tell("    pictures at equal time");
         Ok(write_scene(
@@ -273,7 +273,7 @@ impl ConvergenceArguments {
         }
         let mut display = ProgressDisplay::new(self.quiet);
         let reference = Reference::render(executor, scene, settings, samples, &mut |progress| {
-            display.show(progress)
+            display.show(progress);
         });
         display.finish();
         let reference = reference?;

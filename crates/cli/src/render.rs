@@ -174,7 +174,7 @@ fn render_film<E: Executor>(
     let mut renderer = Renderer::new(executor, scene, settings)?;
     let outcome =
         render(&mut renderer, budget, &|| interrupted.load(Ordering::Relaxed), &mut |progress| {
-            display.show(progress)
+            display.show(progress);
         });
     display.finish();
     renderer.finish_features()?;

@@ -171,7 +171,7 @@ impl<'a, B> Parts<'a, B> {
 }
 
 /// The sample stream and its contributions, as large as useful and as the device has room for.
-#[allow(clippy::type_complexity)] // a pair, taken apart at once
+#[expect(clippy::type_complexity, reason = "a pair, taken apart at once")]
 pub fn allocate_stream<E: Executor>(
     executor: &E,
 ) -> Result<(Array<E::Buffer, Slot>, Array<E::Buffer, Contribution>), ExecError> {
