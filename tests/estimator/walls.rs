@@ -4,7 +4,7 @@ use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{ExecError, Executor};
 use raystream::film::Film;
-use raystream::render::estimator::{ComingRound, Estimation, Noise};
+use raystream::render::estimator::{ComingRound, EstimateBuffers, Noise};
 use raystream::render::{AllocatorKind, EstimationSettings, Estimator, FilmBuffers, Sampling};
 use raystream::scene::FilmSize;
 use raystream_shaders::estimator::Estimate;
@@ -102,7 +102,7 @@ pub fn estimate_on<E: Executor>(
 ) -> Result<Estimates, ExecError> {
     let (width, height) = (film.width, film.height);
     let buffers = FilmBuffers::from_film(executor, film)?;
-    let estimation = Estimation::new(executor, FilmSize { width, height })?;
+    let estimation = EstimateBuffers::new(executor, FilmSize { width, height })?;
     let sampling = Sampling { estimation: *settings, ..*sampling };
     executor.run(&estimation.launches(&buffers, camera, &sampling, round))?;
     let errors = estimation.errors().read(executor)?;

@@ -33,7 +33,10 @@ fn a_large_picture_fits_4_gib() {
                 // Batches of a device that takes no time grow to the whole stream; so long a round
                 // is cut into streams.
                 let mut paths = 0_u64;
-                renderer.round(1024, &mut |batch| paths += u64::from(batch)).unwrap();
+                let mut round = renderer.uniform_round(1024);
+                while let Some(batch) = round.next_batch().unwrap() {
+                    paths += u64::from(batch.paths);
+                }
                 assert_eq!(paths, 1024 * 3840 * 2160);
                 let most = device.most();
                 let gib = most as f64 / f64::from(1 << 30);

@@ -25,8 +25,7 @@ fn render<E: Executor>(
     samples: u32,
 ) -> Film {
     let mut renderer = Renderer::new(executor, scene, settings).unwrap();
-    run(&mut renderer, Budget { samples: Some(samples), time: None }, &|| false, &mut |_| ())
-        .unwrap();
+    run(&mut renderer, Budget::samples(samples), &|| false, &mut |_| ()).unwrap();
     renderer.film().unwrap()
 }
 

@@ -16,7 +16,7 @@ fn rounds_do_not_change_the_film() {
     let at_once = render(&prepared, &settings, 21);
     let mut renderer = Renderer::new(&CpuExecutor, &prepared, &settings).unwrap();
     for samples in [1, 7, 3, 10] {
-        renderer.round(samples, &mut |_| ()).unwrap();
+        renderer.uniform_round(samples).finish().unwrap();
     }
     renderer.finish_features().unwrap();
     assert_eq!(renderer.film().unwrap(), at_once);

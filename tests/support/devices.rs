@@ -1,7 +1,7 @@
 //! GPUs, one test at a time.
 
 use crate::not_tested;
-use raystream::exec::device::{Device, OpenOptions};
+use raystream::exec::device::Device;
 use raystream::exec::gpu::GpuExecutor;
 use std::sync::Mutex;
 
@@ -15,9 +15,9 @@ static GPU: Mutex<()> = Mutex::new(());
 /// [`REQUIRE_GPU`] is set.
 pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
     let _turn = GPU.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    match Device::open("gpu", OpenOptions::default()) {
+    match Device::open("gpu") {
         Ok(Device::Gpu(gpu)) => test(&gpu),
-        Ok(Device::Cpu(_)) => unreachable!("the GPU that was asked for is the CPU"),
+        Ok(_) => unreachable!("the GPU that was asked for is the CPU"),
         Err(error) => no_gpu(&error.to_string()),
     }
 }

@@ -3,10 +3,7 @@
 use raystream::exec::Executor;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::film::Film;
-use raystream::render::{
-    BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, Renderer, Sampling, Settings,
-    Techniques,
-};
+use raystream::render::{BvhQuality, IntegratorKind, PreparedScene, Renderer, Sampling, Settings};
 use raystream::scene::Scene;
 
 /// Renders `samples` per pixel on `executor`.
@@ -17,7 +14,7 @@ pub fn render_on<E: Executor>(
     samples: u32,
 ) -> Film {
     let mut renderer = Renderer::new(executor, scene, settings).expect("the scene fits");
-    renderer.round(samples, &mut |_| ()).expect("the device works");
+    renderer.uniform_round(samples).finish().expect("the device works");
     renderer.finish_features().expect("the device works");
     renderer.film().expect("the device works")
 }
@@ -36,15 +33,10 @@ pub fn prepare(scene: &Scene) -> PreparedScene {
 /// say.
 pub fn settings(scene: &Scene) -> Settings {
     Settings {
-        size: scene.film,
         seed: 1,
         independent_sampler: true,
-        max_depth: scene.limits.max_depth,
-        roulette_depth: scene.limits.roulette_depth,
-        techniques: Techniques::Both,
-        ray_offset: raystream_shaders::scene::ray::OFFSET_ROUNDINGS,
         sampling: Sampling::UNIFORM,
         integrator: IntegratorKind::Megakernel,
-        light_cache: LightCacheSettings::default(),
+        ..Settings::for_scene(scene)
     }
 }

@@ -7,8 +7,6 @@
 //! `cargo xtask renders` lists digests of what a program renders: whoever changes code and means to
 //! change no picture compares the lists from before and after.
 
-#![allow(clippy::print_stderr, clippy::print_stdout, reason = "developers read it to its end")]
-
 mod compiler;
 mod digest;
 mod module;

@@ -33,9 +33,8 @@ pub fn measure<E: Executor>(
     time: Duration,
 ) -> Result<PathSpeed, BenchError> {
     let mut renderer = Renderer::new(executor, scene, settings)?;
-    let mut render = |time: Duration| {
-        run(&mut renderer, Budget { samples: None, time: Some(time) }, &|| false, &mut |_| ())
-    };
+    let mut render =
+        |time: Duration| run(&mut renderer, Budget::time(time), &|| false, &mut |_| ());
     let warm_up = render(WARM_UP)?;
     let outcome = render(time)?;
     let film = renderer.film()?;

@@ -103,7 +103,7 @@ impl CommonArguments {
                 settings.size.width,
                 settings.size.height,
                 settings.max_depth,
-                device.name()
+                device.description()
             ))?;
             measure(&device, &self.settings.prepare(scene)?, &settings)?;
         }
@@ -119,11 +119,7 @@ fn bench_rays(
 ) -> Result<(), CliError> {
     let options =
         rays::Options { repetitions: arguments.repetitions, checks: arguments.checks as usize };
-    let speeds = match device {
-        Device::Cpu(cpu) => rays::measure(cpu, scene, settings, options),
-        Device::Gpu(gpu) => rays::measure(gpu.as_ref(), scene, settings, options),
-    }?;
-    for speed in speeds {
+    for speed in rays::measure(device, scene, settings, options)? {
         print_line(&format!(
             "    {:<15} {:9.2} Mrays/s, {:5.1} % hit ({} rays checked, {} ties)",
             speed.kind,
@@ -142,10 +138,7 @@ fn bench_paths(
     scene: &PreparedScene,
     settings: &Settings,
 ) -> Result<(), CliError> {
-    let speed = match device {
-        Device::Cpu(cpu) => paths::measure(cpu, scene, settings, time),
-        Device::Gpu(gpu) => paths::measure(gpu.as_ref(), scene, settings, time),
-    }?;
+    let speed = paths::measure(device, scene, settings, time)?;
     let timings = speed.outcome.timings;
     let share = |part: Duration| 100.0 * part.as_secs_f64() / speed.outcome.elapsed.as_secs_f64();
     print_line(&format!(
@@ -158,9 +151,9 @@ fn bench_paths(
     ))?;
     print_line(&format!(
         "    tracing {:.1} %, generation {:.2} %, accumulation {:.2} % of {:.2} s",
-        share(timings.tracing),
-        share(timings.generation),
-        share(timings.accumulation),
+        share(timings.tracing()),
+        share(timings.generation()),
+        share(timings.accumulation()),
         speed.outcome.elapsed.as_secs_f64()
     ))?;
     Ok(())

@@ -8,7 +8,6 @@ use super::output::say;
 use super::progress::ProgressDisplay;
 use super::sampling::{EstimationArguments, RoundArguments};
 use clap::{Args, ValueEnum};
-use raystream::exec::Executor;
 use raystream::exec::device::Device;
 use raystream::render::{AllocatorKind, Estimator, IntegratorKind, PreparedScene, Settings};
 use raystream::scene::Scene;
@@ -124,9 +123,8 @@ pub fn run(arguments: &ConvergenceArguments) -> Result<Ending, CliError> {
         levels,
         repetitions: arguments.repetitions,
     };
-    let path = entries::report(INTRODUCTION, scenes, &output, |loaded| match &device {
-        Device::Cpu(cpu) => arguments.bench(cpu, &device, loaded, &plan, &cache, &output),
-        Device::Gpu(gpu) => arguments.bench(gpu.as_ref(), &device, loaded, &plan, &cache, &output),
+    let path = entries::report(INTRODUCTION, scenes, &output, |loaded| {
+        arguments.bench(&device, loaded, &plan, &cache, &output)
     })?;
     arguments.tell(&format!("wrote {}", path.display()));
     Ok(Ending::Done)
@@ -209,9 +207,8 @@ impl ConvergenceArguments {
         }
     }
 
-    fn bench<E: Executor>(
+    fn bench(
         &self,
-        executor: &E,
         device: &Device,
         loaded: Loaded,
         plan: &Plan,
@@ -220,7 +217,11 @@ impl ConvergenceArguments {
     ) -> Result<SceneReport, CliError> {
         let Loaded { label, scene, settings } = loaded;
         let folder = output.folder(&label)?;
-        self.tell(&format!("{label}: {} triangles, on {}", scene.triangle_count(), device.name()));
+        self.tell(&format!(
+            "{label}: {} triangles, on {}",
+            scene.triangle_count(),
+            device.description()
+        ));
         let about = self.about(&label, &scene, &settings, device);
         let samples = self.reference_spp.unwrap_or(REFERENCE_FACTOR as u32 * self.spp);
         let reference_settings = Reference::settings(&settings, self.reference_integrator());
@@ -228,13 +229,13 @@ impl ConvergenceArguments {
         let prepared = self.settings.prepare(scene)?;
         let path = cache.file(&format!("{label}-{samples}spp-{}.exr", identity.short()));
         let reference =
-            self.reference(executor, &prepared, &reference_settings, samples, &identity, &path)?;
-        let measurement = measure(executor, &prepared, &settings, plan, &reference, &mut |line| {
+            self.reference(device, &prepared, &reference_settings, samples, &identity, &path)?;
+        let measurement = measure(device, &prepared, &settings, plan, &reference, &mut |line| {
             self.tell(&format!("    {line}"));
         })?;
         self.tell("    pictures at equal time");
         Ok(write_scene(
-            executor,
+            device,
             &prepared,
             &settings,
             plan,
@@ -246,9 +247,9 @@ impl ConvergenceArguments {
     }
 
     /// The reference from the cache or, if it is not there or no good, rendered and put there.
-    fn reference<E: Executor>(
+    fn reference(
         &self,
-        executor: &E,
+        device: &Device,
         scene: &PreparedScene,
         settings: &Settings,
         samples: u32,
@@ -272,7 +273,7 @@ impl ConvergenceArguments {
             )),
         }
         let mut display = ProgressDisplay::new(self.quiet);
-        let reference = Reference::render(executor, scene, settings, samples, &mut |progress| {
+        let reference = Reference::render(device, scene, settings, samples, &mut |progress| {
             display.show(progress);
         });
         display.finish();

@@ -80,7 +80,7 @@ pub fn facts(
 ) -> Vec<(String, String)> {
     let named = |(name, value): (&str, String)| (name.to_owned(), value);
     let scene = [
-        ("device", device.name()),
+        ("device", device.description()),
         ("triangles", scene.triangle_count().to_string()),
         ("size", format!("{}x{}", size.width, size.height)),
     ];

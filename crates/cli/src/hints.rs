@@ -27,6 +27,7 @@ fn hint(error: &(dyn Error + 'static)) -> Option<&'static str> {
         | ExecError::Unsuitable { .. }
         | ExecError::TooLarge { .. }
         | ExecError::Device { .. } => Some("--device cpu"),
+        _ => None,
     }
 }
 

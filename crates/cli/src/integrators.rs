@@ -6,7 +6,6 @@ use super::entries::{self, Entry, Loaded, parse_entry};
 use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
 use super::output::say;
 use clap::Args;
-use raystream::exec::Executor;
 use raystream::exec::device::Device;
 use raystream::render::IntegratorKind;
 use raystream_bench::integrators::{GROUP, Plan, measure, write_scene};
@@ -59,9 +58,8 @@ pub fn run(arguments: &IntegratorsArguments) -> Result<Ending, CliError> {
     let scenes = entries::load(&arguments.scenes, &arguments.settings)?;
     let output = Folder::create(&arguments.output)?;
     let device = arguments.device.open()?;
-    let path = entries::report(&introduction(), scenes, &output, |loaded| match &device {
-        Device::Cpu(cpu) => arguments.bench(cpu, &device, loaded, &output),
-        Device::Gpu(gpu) => arguments.bench(gpu.as_ref(), &device, loaded, &output),
+    let path = entries::report(&introduction(), scenes, &output, |loaded| {
+        arguments.bench(&device, loaded, &output)
     })?;
     arguments.tell(&format!("wrote {}", path.display()));
     Ok(Ending::Done)
@@ -105,16 +103,19 @@ impl IntegratorsArguments {
         }
     }
 
-    fn bench<E: Executor>(
+    fn bench(
         &self,
-        executor: &E,
         device: &Device,
         loaded: Loaded,
         output: &Folder,
     ) -> Result<SceneReport, CliError> {
         let Loaded { label, scene, settings } = loaded;
         let folder = output.folder(&label)?;
-        self.tell(&format!("{label}: {} triangles, on {}", scene.triangle_count(), device.name()));
+        self.tell(&format!(
+            "{label}: {} triangles, on {}",
+            scene.triangle_count(),
+            device.description()
+        ));
         let plan = [
             ("seconds", self.time.as_secs_f64().to_string()),
             ("repetitions", self.repetitions.to_string()),
@@ -134,7 +135,7 @@ impl IntegratorsArguments {
             stream: self.stream,
         };
         let prepared = self.settings.prepare(scene)?;
-        let measured = measure(executor, &prepared, &settings, &plan, &mut |line| {
+        let measured = measure(device, &prepared, &settings, &plan, &mut |line| {
             self.tell(&format!("    {line}"));
         })?;
         Ok(write_scene(&measured, plan.stream, &About { label, facts }, &folder)?)

@@ -8,7 +8,6 @@ use raystream::exec::ExecError;
 use raystream::exec::device::{Device, OpenOptions};
 use raystream::render::{
     BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, RenderError, Sampling, Settings,
-    Techniques,
 };
 use raystream::scene::{self, FilmSize, Scene, SceneError};
 use raystream_shaders::integrator::lvc::MAX_CONNECTIONS;
@@ -42,14 +41,14 @@ pub struct OpenArguments {
 impl OpenArguments {
     /// What was asked for.
     pub fn options(&self) -> OpenOptions {
-        OpenOptions { naga: self.naga, validation: self.validation }
+        OpenOptions::default().with_naga(self.naga).with_validation(self.validation)
     }
 }
 
 impl DeviceArguments {
     /// Opens the device that was asked for.
     pub fn open(&self) -> Result<Device, ExecError> {
-        Device::open(&self.device, self.open.options())
+        Device::open_with(&self.device, self.open.options())
     }
 }
 
@@ -117,13 +116,13 @@ impl SettingsArguments {
 
     /// The settings for `scene`.
     pub fn settings(&self, scene: &Scene) -> Settings {
+        let own = Settings::for_scene(scene);
         Settings {
-            size: self.size.unwrap_or(scene.film),
+            size: self.size.unwrap_or(own.size),
             seed: self.seed,
             independent_sampler: matches!(self.sampler, Sampler::Independent),
-            max_depth: self.max_depth.unwrap_or(scene.limits.max_depth),
-            roulette_depth: self.rr_depth.unwrap_or(scene.limits.roulette_depth),
-            techniques: Techniques::Both,
+            max_depth: self.max_depth.unwrap_or(own.max_depth),
+            roulette_depth: self.rr_depth.unwrap_or(own.roulette_depth),
             ray_offset: self.ray_offset,
             sampling: Sampling::UNIFORM,
             integrator: self.integrator,
@@ -132,6 +131,7 @@ impl SettingsArguments {
                 connections: self.connections,
                 ..LightCacheSettings::default()
             },
+            ..own
         }
     }
 

@@ -9,10 +9,9 @@ use super::progress::ProgressDisplay;
 use super::sampling::{SamplingArguments, describe};
 use clap::Args;
 use raystream::exec::device::Device;
-use raystream::exec::{ExecError, Executor};
 use raystream::film::Film;
 use raystream::image::{self, Display, Format, ToneMap};
-use raystream::render::estimator::Estimation;
+use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
     Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, run as render,
 };
@@ -93,7 +92,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
         scene.triangle_count(),
         settings.size.width,
         settings.size.height,
-        device.name()
+        device.description()
     ));
     let name = scene.name.clone();
     let started = Instant::now();
@@ -106,7 +105,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
         time: arguments.time,
     };
     if let Some(sampling) = arguments.sampling.fallback()
-        && let Err(error) = can_estimate(&device, &settings)
+        && let Err(error) = EstimateBuffers::check(&device, settings.size)
     {
         output::say(&format!(
             "warning: {}; sampling every pixel equally instead (--allocator uniform)",
@@ -115,19 +114,13 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
         settings.sampling = sampling;
     }
     let mut display = ProgressDisplay::new(arguments.quiet);
-    let (film, outcome) = match &device {
-        Device::Cpu(cpu) => {
-            render_film(cpu, &prepared, &settings, budget, &interrupted, &mut display)
-        }
-        Device::Gpu(gpu) => {
-            render_film(gpu.as_ref(), &prepared, &settings, budget, &interrupted, &mut display)
-        }
-    }?;
+    let (film, outcome) =
+        render_film(&device, &prepared, &settings, budget, &interrupted, &mut display)?;
     say(summary(&outcome, &film));
 
     let mut header = vec![
         ("scene".to_owned(), name),
-        ("device".to_owned(), device.name()),
+        ("device".to_owned(), device.description()),
         ("samples".to_owned(), average_samples(&outcome, &film).to_string()),
         ("seconds".to_owned(), format!("{:.3}", outcome.elapsed.as_secs_f64())),
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
@@ -138,7 +131,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     // Where one cannot be written (a disk is full), the others still save the render.
     let mut written: Result<(), FigureError> = Ok(());
     for path in &outputs {
-        let picture = image::write_film(path, &film, &header, &picture_display);
+        let picture = image::write_film_as(path, &film, &header, &picture_display);
         if picture.is_ok() {
             say(format!("wrote {}", path.display()));
         }
@@ -155,23 +148,15 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     Ok(if outcome.interrupted { Ending::Interrupted } else { Ending::Done })
 }
 
-/// Fails where a picture is too large for the device to estimate its errors.
-fn can_estimate(device: &Device, settings: &Settings) -> Result<(), ExecError> {
-    match device {
-        Device::Cpu(cpu) => Estimation::check(cpu, settings.size),
-        Device::Gpu(gpu) => Estimation::check(gpu.as_ref(), settings.size),
-    }
-}
-
-fn render_film<E: Executor>(
-    executor: &E,
+fn render_film(
+    device: &Device,
     scene: &PreparedScene,
     settings: &Settings,
     budget: Budget,
     interrupted: &AtomicBool,
     display: &mut ProgressDisplay,
 ) -> Result<(Film, Outcome), RenderError> {
-    let mut renderer = Renderer::new(executor, scene, settings)?;
+    let mut renderer = Renderer::new(device, scene, settings)?;
     let outcome =
         render(&mut renderer, budget, &|| interrupted.load(Ordering::Relaxed), &mut |progress| {
             display.show(progress);

@@ -6,7 +6,7 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
 /// Runs kernels on all the processor's cores.
-#[derive(Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct CpuExecutor;
 
 /// Memory aligned for every type that crosses to a kernel.

@@ -1,19 +1,32 @@
 //! Which devices there are, and the choice of one.
 
-use super::cpu::CpuExecutor;
-use super::gpu::{GpuExecutor, ShaderPath, largest_buffer};
-use super::{ExecError, Executor};
+use super::cpu::{CpuBuffer, CpuExecutor};
+#[cfg(feature = "gpu")]
+use super::gpu::{Adapters, GpuExecutor};
+use super::{ExecError, Executor, Launch, Limits};
+#[cfg(feature = "gpu")]
+use std::sync::Arc;
+use std::time::Duration;
 
-/// Storage buffers that a kernel may bind, at most: a number that every desktop device with Vulkan,
-/// Metal or DirectX 12 grants.
-pub const STORAGE_BUFFERS: u32 = 12;
-
-/// A device, open for rendering.
+/// A device, open for rendering. A clone is the same device, and cheap.
+#[derive(Clone)]
+#[non_exhaustive]
 pub enum Device {
     /// All cores of the processor.
     Cpu(CpuExecutor),
     /// A GPU, or a software implementation of one.
-    Gpu(Box<GpuExecutor>),
+    #[cfg(feature = "gpu")]
+    Gpu(Arc<GpuExecutor>),
+}
+
+/// Memory of a [`Device`].
+#[non_exhaustive]
+pub enum DeviceBuffer {
+    /// Of the CPU.
+    Cpu(CpuBuffer),
+    /// Of a GPU.
+    #[cfg(feature = "gpu")]
+    Gpu(wgpu::Buffer),
 }
 
 impl Device {
@@ -23,7 +36,15 @@ impl Device {
     ///
     /// # Errors
     /// If there is no such device, or it cannot run the kernels.
-    pub fn open(selection: &str, options: OpenOptions) -> Result<Self, ExecError> {
+    pub fn open(selection: &str) -> Result<Self, ExecError> {
+        Self::open_with(selection, OpenOptions::default())
+    }
+
+    /// [`Self::open`] with options.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn open_with(selection: &str, options: OpenOptions) -> Result<Self, ExecError> {
         let selection = selection.to_lowercase();
         if selection == "cpu" {
             // Looking for GPUs takes time, and a broken driver may not survive it.
@@ -32,17 +53,112 @@ impl Device {
         Devices::enumerate(options).open(&selection)
     }
 
-    /// What to call it.
-    pub fn name(&self) -> String {
+    /// What to call it: the GPU's name, or the CPU and its threads.
+    pub fn description(&self) -> String {
         match self {
-            Self::Cpu(_) => cpu_name(),
+            Self::Cpu(_) => format!("CPU, {}", threads()),
+            #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => gpu.name().to_owned(),
         }
     }
 }
 
+/// What a launch of another device's buffer is: a bug of the caller.
+#[cfg(feature = "gpu")]
+const FOREIGN: &str = "a buffer is used on another device than its own";
+
+impl DeviceBuffer {
+    fn of_cpu(&self) -> &CpuBuffer {
+        match self {
+            Self::Cpu(buffer) => buffer,
+            #[cfg(feature = "gpu")]
+            Self::Gpu(_) => unreachable!("{FOREIGN}"),
+        }
+    }
+
+    #[cfg(feature = "gpu")]
+    fn of_gpu(&self) -> &wgpu::Buffer {
+        match self {
+            Self::Gpu(buffer) => buffer,
+            Self::Cpu(_) => unreachable!("{FOREIGN}"),
+        }
+    }
+}
+
+impl Executor for Device {
+    type Buffer = DeviceBuffer;
+
+    fn limits(&self) -> Limits {
+        match self {
+            Self::Cpu(cpu) => cpu.limits(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.limits(),
+        }
+    }
+
+    fn name(&self) -> &str {
+        match self {
+            Self::Cpu(cpu) => cpu.name(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.name(),
+        }
+    }
+
+    fn allocate(&self, label: &'static str, bytes: u64) -> Result<DeviceBuffer, ExecError> {
+        match self {
+            Self::Cpu(cpu) => cpu.allocate(label, bytes).map(DeviceBuffer::Cpu),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.allocate(label, bytes).map(DeviceBuffer::Gpu),
+        }
+    }
+
+    fn write(&self, buffer: &DeviceBuffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
+        match self {
+            Self::Cpu(cpu) => cpu.write(buffer.of_cpu(), first_byte, bytes),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.write(buffer.of_gpu(), first_byte, bytes),
+        }
+    }
+
+    fn read(
+        &self,
+        buffer: &DeviceBuffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
+        match self {
+            Self::Cpu(cpu) => cpu.read(buffer.of_cpu(), first_byte, bytes),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.read(buffer.of_gpu(), first_byte, bytes),
+        }
+    }
+
+    fn run_parts(&self, parts: &[&[Launch<'_, DeviceBuffer>]]) -> Result<Vec<Duration>, ExecError> {
+        match self {
+            Self::Cpu(cpu) => run_on(cpu, parts, DeviceBuffer::of_cpu),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => run_on(gpu.as_ref(), parts, DeviceBuffer::of_gpu),
+        }
+    }
+}
+
+/// Runs launches over a device's own buffers. They are copied for it: some hundred bytes each,
+/// which is little beside what a launch costs anyway.
+fn run_on<'a, E: Executor>(
+    executor: &E,
+    parts: &[&[Launch<'a, DeviceBuffer>]],
+    buffer: fn(&DeviceBuffer) -> &E::Buffer,
+) -> Result<Vec<Duration>, ExecError> {
+    let of_part = |part: &&[Launch<'a, DeviceBuffer>]| -> Vec<_> {
+        part.iter().map(|launch| launch.with_buffers(buffer)).collect()
+    };
+    let parts: Vec<Vec<_>> = parts.iter().map(of_part).collect();
+    executor.run_parts(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
+}
+
 /// How devices are opened.
 #[derive(Clone, Copy, Debug, Default)]
+#[non_exhaustive]
 pub struct OpenOptions {
     /// Have naga translate the kernels, also where the driver takes SPIR-V.
     pub naga: bool,
@@ -51,16 +167,29 @@ pub struct OpenOptions {
     pub validation: bool,
 }
 
-/// Looks for GPUs.
-pub struct Devices {
-    adapters: Vec<wgpu::Adapter>,
-    options: OpenOptions,
+impl OpenOptions {
+    /// These, with [`Self::naga`] as given.
+    pub fn with_naga(self, naga: bool) -> Self {
+        Self { naga, ..self }
+    }
+
+    /// These, with [`Self::validation`] as given.
+    pub fn with_validation(self, validation: bool) -> Self {
+        Self { validation, ..self }
+    }
 }
 
-/// What `raystream devices` says of a device.
+/// Looks for devices.
+pub struct Devices {
+    #[cfg(feature = "gpu")]
+    gpus: Adapters,
+}
+
+/// What there is to know of a device before it is opened.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct DeviceInfo {
-    /// The name that `--device` takes.
+    /// The name by which [`Device::open`] finds it.
     pub name: String,
     /// What kind of device it is.
     pub kind: &'static str,
@@ -75,118 +204,71 @@ pub struct DeviceInfo {
 }
 
 impl Devices {
-    /// All GPUs that the system's drivers offer, real ones first.
+    /// The CPU and all GPUs that the system's drivers offer.
+    #[cfg(feature = "gpu")]
     pub fn enumerate(options: OpenOptions) -> Self {
-        let flags = if options.validation {
-            wgpu::InstanceFlags::VALIDATION | wgpu::InstanceFlags::DEBUG
-        } else {
-            wgpu::InstanceFlags::empty()
-        };
-        let backends = wgpu::Backends::PRIMARY;
-        let descriptor = wgpu::InstanceDescriptor {
-            backends,
-            flags,
-            ..wgpu::InstanceDescriptor::new_without_display_handle()
-        };
-        let mut adapters =
-            pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(backends));
-        adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
-            wgpu::DeviceType::DiscreteGpu => 0,
-            wgpu::DeviceType::IntegratedGpu => 1,
-            wgpu::DeviceType::VirtualGpu => 2,
-            wgpu::DeviceType::Other => 3,
-            wgpu::DeviceType::Cpu => 4,
-        });
-        Self { adapters, options }
+        Self { gpus: Adapters::enumerate(options) }
     }
 
-    /// Every device, the CPU last.
+    /// The CPU: this library was built without the feature `gpu`.
+    #[cfg(not(feature = "gpu"))]
+    pub fn enumerate(_: OpenOptions) -> Self {
+        Self {}
+    }
+
+    /// Every device, real GPUs first, the CPU last.
     pub fn list(&self) -> Vec<DeviceInfo> {
-        let gpus = self.adapters.iter().map(|adapter| {
-            let info = adapter.get_info();
-            DeviceInfo {
-                name: info.name,
-                kind: match info.device_type {
-                    wgpu::DeviceType::DiscreteGpu => "discrete GPU",
-                    wgpu::DeviceType::IntegratedGpu => "integrated GPU",
-                    wgpu::DeviceType::VirtualGpu => "virtual GPU",
-                    wgpu::DeviceType::Cpu => "software GPU",
-                    wgpu::DeviceType::Other => "other GPU",
-                },
-                driver: format!("{} {} {}", info.backend, info.driver, info.driver_info)
-                    .trim_end()
-                    .to_owned(),
-                kernels: match self.shader_path(adapter) {
-                    ShaderPath::Passthrough => "SPIR-V",
-                    ShaderPath::Naga => "through naga",
-                },
-                buffer_bytes: largest_buffer(&adapter.limits()),
-                unsuitable: unsuitable(adapter),
-            }
-        });
-        let cpu = DeviceInfo {
+        #[cfg(feature = "gpu")]
+        let mut devices = self.gpus.list();
+        #[cfg(not(feature = "gpu"))]
+        let mut devices = Vec::new();
+        devices.push(DeviceInfo {
             name: "cpu".into(),
             kind: "CPU",
             driver: threads(),
             kernels: "native",
             buffer_bytes: isize::MAX as u64,
             unsuitable: None,
-        };
-        gpus.chain([cpu]).collect()
+        });
+        devices
     }
 
     /// [`Device::open`] of anything but the CPU; `selection` is in lower case.
     fn open(&self, selection: &str) -> Result<Device, ExecError> {
-        let is_real =
-            |adapter: &&wgpu::Adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu;
-        let is_suitable = |adapter: &&wgpu::Adapter| unsuitable(adapter).is_none();
         let (name, number) = numbered(selection);
-        match name {
-            "auto" if number == 1 => match self.adapters.iter().filter(is_real).find(is_suitable) {
-                Some(adapter) => self.open_adapter(adapter).or_else(|error| {
-                    tracing::warn!("{error}");
-                    Ok(Device::Cpu(CpuExecutor))
-                }),
-                None => Ok(Device::Cpu(CpuExecutor)),
-            },
-            "gpu" if !self.adapters.iter().any(|adapter| is_suitable(&adapter)) => {
-                Err(ExecError::NoGpu)
-            }
-            _ => {
-                let fits = |adapter: &&wgpu::Adapter| {
-                    if name == "gpu" {
-                        is_suitable(adapter)
-                    } else {
-                        adapter.get_info().name.to_lowercase().contains(name)
-                    }
-                };
-                match self.adapters.iter().filter(fits).nth(number - 1) {
-                    Some(adapter) => self.open_adapter(adapter),
-                    None => Err(ExecError::NoSuchDevice {
-                        name: selection.into(),
-                        known: self
-                            .list()
-                            .into_iter()
-                            .map(|info| info.name)
-                            .collect::<Vec<_>>()
-                            .join(", "),
-                    }),
-                }
+        if name == "auto" && number == 1 {
+            return Ok(self.open_best());
+        }
+        match self.open_gpu(name, number)? {
+            Some(device) => Ok(device),
+            None => {
+                let known: Vec<_> = self.list().into_iter().map(|info| info.name).collect();
+                Err(ExecError::NoSuchDevice { name: selection.into(), known: known.join(", ") })
             }
         }
     }
 
-    fn open_adapter(&self, adapter: &wgpu::Adapter) -> Result<Device, ExecError> {
-        if let Some(reason) = unsuitable(adapter) {
-            return Err(ExecError::Unsuitable { device: adapter.get_info().name, reason });
+    #[cfg(feature = "gpu")]
+    fn open_best(&self) -> Device {
+        match self.gpus.open_best() {
+            Some(gpu) => Device::Gpu(Arc::new(gpu)),
+            None => Device::Cpu(CpuExecutor),
         }
-        Ok(Device::Gpu(Box::new(GpuExecutor::new(adapter, self.shader_path(adapter))?)))
     }
 
-    fn shader_path(&self, adapter: &wgpu::Adapter) -> ShaderPath {
-        let takes_spirv = adapter.get_info().backend == wgpu::Backend::Vulkan
-            && adapter.features().contains(wgpu::Features::PASSTHROUGH_SHADERS);
-        if takes_spirv && !self.options.naga { ShaderPath::Passthrough } else { ShaderPath::Naga }
+    #[cfg(not(feature = "gpu"))]
+    fn open_best(&self) -> Device {
+        Device::Cpu(CpuExecutor)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn open_gpu(&self, name: &str, number: usize) -> Result<Option<Device>, ExecError> {
+        Ok(self.gpus.open(name, number)?.map(|gpu| Device::Gpu(Arc::new(gpu))))
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn open_gpu(&self, name: &str, _: usize) -> Result<Option<Device>, ExecError> {
+        if name == "gpu" { Err(ExecError::NoGpu) } else { Ok(None) }
     }
 }
 
@@ -196,23 +278,6 @@ fn numbered(selection: &str) -> (&str, usize) {
     let numbered =
         selection.rsplit_once(':').and_then(|(name, number)| Some((name, number.parse().ok()?)));
     numbered.filter(|&(_, number)| number > 0).unwrap_or((selection, 1))
-}
-
-fn unsuitable(adapter: &wgpu::Adapter) -> Option<String> {
-    let limits = adapter.limits();
-    if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
-        return Some(format!(
-            "a kernel can bind {} storage buffers there and needs {STORAGE_BUFFERS}",
-            limits.max_storage_buffers_per_shader_stage
-        ));
-    }
-    let downlevel = adapter.get_downlevel_capabilities();
-    (!downlevel.flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS))
-        .then(|| "it has no compute shaders".to_owned())
-}
-
-fn cpu_name() -> String {
-    format!("CPU, {}", threads())
 }
 
 fn threads() -> String {

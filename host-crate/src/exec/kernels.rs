@@ -9,6 +9,9 @@ use raystream_shaders::parallel::prefix::Lane;
 use raystream_shaders::scene::{SceneView, TracingParams};
 use std::sync::atomic::AtomicU32;
 
+/// The kernels as GPUs take them, compiled by `cargo shaders`.
+pub static SPIRV: &[u8] = include_bytes!("../../shaders/kernels.spv");
+
 /// A kernel, as both executors need to know it.
 pub struct Kernel {
     /// Name of the SPIR-V entry point.

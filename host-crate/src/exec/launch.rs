@@ -58,6 +58,16 @@ impl<'a, B> Launch<'a, B> {
         Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views }
     }
 
+    /// The same run, with each buffer replaced by what `buffer` makes of it.
+    pub(super) fn with_buffers<C>(&self, buffer: impl Fn(&'a B) -> &'a C) -> Launch<'a, C> {
+        let views = self.views.iter().map(|view| RawView {
+            buffer: buffer(view.buffer),
+            first_byte: view.first_byte,
+            bytes: view.bytes,
+        });
+        Launch { kernel: self.kernel, parameters: self.parameters.clone(), views: views.collect() }
+    }
+
     /// The kernel.
     pub fn kernel(&self) -> &'static Kernel {
         self.kernel

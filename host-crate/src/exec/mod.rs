@@ -9,6 +9,7 @@ mod counter;
 pub mod counting;
 pub mod cpu;
 pub mod device;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod kernels;
 mod launch;
@@ -20,6 +21,7 @@ use std::time::Duration;
 pub use array::Array;
 pub use counter::Counter;
 pub use counting::Counting;
+pub use device::Device;
 pub use kernels::{Access, Binding, Kernel};
 pub use launch::{Launch, RawView, View};
 pub use scene_buffers::SceneBuffers;
@@ -27,7 +29,7 @@ pub use scene_buffers::SceneBuffers;
 /// Runs kernels over buffers that it owns.
 pub trait Executor {
     /// A piece of the device's memory.
-    type Buffer: 'static;
+    type Buffer: Send + Sync + 'static;
 
     /// What may be asked of the device.
     fn limits(&self) -> Limits;
@@ -75,6 +77,44 @@ pub trait Executor {
     }
 }
 
+/// A reference stands for the executor, so that a renderer can own one that others use as well.
+impl<E: Executor> Executor for &E {
+    type Buffer = E::Buffer;
+
+    fn limits(&self) -> Limits {
+        (**self).limits()
+    }
+
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn check_size(&self, label: &'static str, bytes: u64) -> Result<(), ExecError> {
+        (**self).check_size(label, bytes)
+    }
+
+    fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError> {
+        (**self).allocate(label, bytes)
+    }
+
+    fn write(&self, buffer: &Self::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
+        (**self).write(buffer, first_byte, bytes)
+    }
+
+    fn read(
+        &self,
+        buffer: &Self::Buffer,
+        first_byte: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, ExecError> {
+        (**self).read(buffer, first_byte, bytes)
+    }
+
+    fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
+        (**self).run_parts(parts)
+    }
+}
+
 /// What may be asked of a device.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
@@ -102,6 +142,7 @@ pub fn halve_until_it_fits<T>(
 
 /// What can go wrong on a device.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExecError {
     /// A name that fits no device.
     #[error("no device matches '{name}'; there are: {known}")]

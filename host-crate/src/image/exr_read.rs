@@ -189,7 +189,7 @@ fn from_exr(path: &Path, error: exr::error::Error) -> ImageError {
 #[cfg(test)]
 mod tests {
     use super::super::exr_write::tests::film;
-    use super::super::{Display, read_color, write_film};
+    use super::super::{Display, read_color, write_film_as};
     use super::*;
     use exr::prelude::*;
     use std::path::PathBuf;
@@ -246,7 +246,7 @@ mod tests {
     fn damage_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        write_film(&path, &film(17, 35), &[("seed".into(), "1".into())], &Display::default())
+        write_film_as(&path, &film(17, 35), &[("seed".into(), "1".into())], &Display::default())
             .unwrap();
         damage(&path, 101);
         for compression in [

@@ -90,7 +90,7 @@ pub(super) mod tests {
     use super::*;
     use crate::film::Film;
     use crate::image::{
-        ColorImage, Display, read_color, read_layers, read_settings, write_color, write_film,
+        ColorImage, Display, read_color, read_layers, read_settings, write_color, write_film_as,
     };
     use glam::Vec3;
     use raystream_shaders::estimator::Estimate;
@@ -154,7 +154,7 @@ pub(super) mod tests {
             let (width, height) = (film.width, film.height);
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("film.exr");
-            write_film(&path, &film, &[], &Display::default()).unwrap();
+            write_film_as(&path, &film, &[], &Display::default()).unwrap();
             let read = read_layers(&path).unwrap();
             assert_eq!((read.width, read.height), (width, height));
 
@@ -231,7 +231,7 @@ pub(super) mod tests {
             ("empty", ""),
             ("a.long-key_0", &long),
         ]);
-        write_film(&path, &film(3, 2), &settings, &Display::default()).unwrap();
+        write_film_as(&path, &film(3, 2), &settings, &Display::default()).unwrap();
         assert_eq!(read_settings(&path).unwrap(), settings.iter().cloned().collect());
         let bytes = std::fs::read(&path).unwrap();
         assert!(bytes.windows(14).any(|w| w == b"raystream.seed"), "under the documented name");
@@ -245,12 +245,13 @@ pub(super) mod tests {
         let long = "k".repeat(201);
         for keys in [&[""][..], &["a b"], &["ü"], &["a\0"], &["a", "a"], &[&long]] {
             let settings: Vec<_> = keys.iter().map(|k| (k.to_string(), "v".to_string())).collect();
-            let error = write_film(&path, &film(1, 1), &settings, &Display::default()).unwrap_err();
+            let error =
+                write_film_as(&path, &film(1, 1), &settings, &Display::default()).unwrap_err();
             assert!(matches!(error, ImageError::SettingKey { .. }), "{error}");
         }
         let mut short = film(3, 2);
         short.features.pop();
-        let error = write_film(&path, &short, &[], &Display::default()).unwrap_err().to_string();
+        let error = write_film_as(&path, &short, &[], &Display::default()).unwrap_err().to_string();
         assert!(
             error.contains("a.exr")
                 && error.contains("the features has 5 values")
@@ -258,9 +259,9 @@ pub(super) mod tests {
         );
         let mut short = film_with_estimates(3, 2);
         short.estimates.as_mut().unwrap().pop();
-        let error = write_film(&path, &short, &[], &Display::default()).unwrap_err().to_string();
+        let error = write_film_as(&path, &short, &[], &Display::default()).unwrap_err().to_string();
         assert!(error.contains("the estimates has 5 values"), "{error}");
-        write_film(&path, &film(0, 0), &[], &Display::default()).unwrap_err();
+        write_film_as(&path, &film(0, 0), &[], &Display::default()).unwrap_err();
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }

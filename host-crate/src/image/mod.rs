@@ -38,13 +38,21 @@ pub use tone::{Display, ToneMap};
 use crate::film::Film;
 use std::path::Path;
 
+/// Writes a render: to `.exr` every layer ([`LayeredImage::from_film`]), to `.png` its colour.
+///
+/// # Errors
+/// As [`write_film_as`].
+pub fn write_film(path: impl AsRef<Path>, film: &Film) -> Result<(), ImageError> {
+    write_film_as(path.as_ref(), film, &[], &Display::default())
+}
+
 /// Writes a render: to `.exr` every layer ([`LayeredImage::from_film`]) and `settings`
 /// ([`write_layers`]), to `.png` its colour as `display` says.
 ///
 /// # Errors
 /// [`ImageError`] if the extension is neither, the film's buffers do not fit its size, or the file
 /// cannot be written. An existing file is then left as it was.
-pub fn write_film(
+pub fn write_film_as(
     path: &Path,
     film: &Film,
     settings: &[(String, String)],
@@ -60,7 +68,7 @@ pub fn write_film(
 /// as `display` says.
 ///
 /// # Errors
-/// As [`write_film`].
+/// As [`write_film_as`].
 pub fn write_color(
     path: &Path,
     image: &ColorImage,

@@ -6,6 +6,7 @@ use raystream_shaders::scene::bvh::MAX_DEPTH;
 
 /// What can go wrong in a render.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RenderError {
     /// The device failed.
     #[error(transparent)]

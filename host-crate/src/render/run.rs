@@ -2,17 +2,30 @@
 
 use super::error::RenderError;
 use super::renderer::Renderer;
-use super::settings::Timings;
+use super::timings::Timings;
 use crate::exec::Executor;
 use std::time::{Duration, Instant};
 
-/// When to stop: at whichever comes first.
+/// When to stop: at whichever comes first. By default only at the noise that
+/// [`Sampling::noise`](super::Sampling::noise) asks for.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Budget {
     /// Samples per pixel.
     pub samples: Option<u32>,
     /// Time, from the first sample on. A started round is finished.
     pub time: Option<Duration>,
+}
+
+impl Budget {
+    /// This many samples per pixel.
+    pub fn samples(samples: u32) -> Self {
+        Self { samples: Some(samples), ..Self::default() }
+    }
+
+    /// This much time.
+    pub fn time(time: Duration) -> Self {
+        Self { time: Some(time), ..Self::default() }
+    }
 }
 
 /// How far a render is.
@@ -56,7 +69,7 @@ const RAY_COUNT_INTERVAL: Duration = Duration::from_secs(1);
 ///
 /// With neither samples nor time nor a noise to reach the render goes on until it is interrupted.
 pub fn run<E: Executor>(
-    renderer: &mut Renderer<'_, E>,
+    renderer: &mut Renderer<E>,
     budget: Budget,
     interrupted: &dyn Fn() -> bool,
     observe: &mut dyn FnMut(&Progress),
@@ -88,12 +101,14 @@ pub fn run<E: Executor>(
         if paths > 0 && interrupted() {
             break true;
         }
-        timings += renderer.step(left, &mut |paths| {
-            progress.paths += u64::from(paths);
+        let mut round = renderer.next_round(left)?;
+        while let Some(batch) = round.next_batch()? {
+            progress.paths += u64::from(batch.paths);
             progress.elapsed = start.elapsed();
             progress.rays = (progress.paths as f64 * rays_per_path) as u64;
             observe(&progress);
-        })?;
+        }
+        timings += round.timings();
         if last_count.elapsed() >= RAY_COUNT_INTERVAL || rays_per_path == 0.0 {
             rays_per_path = renderer.rays()? as f64 / renderer.paths() as f64;
             last_count = Instant::now();

@@ -5,12 +5,11 @@ use super::integrator::lvc_settings::LightCacheSettings;
 use super::scene::PreparedScene;
 use super::scene::camera::camera;
 use crate::names::named;
-use crate::scene::FilmSize;
+use crate::scene::{FilmSize, Scene};
 use raystream_shaders::integrator::params::{self, PathParams};
 use raystream_shaders::math::random;
 use raystream_shaders::scene::SceneParams;
-use std::ops::AddAssign;
-use std::time::Duration;
+use raystream_shaders::scene::ray::OFFSET_ROUNDINGS;
 
 /// What a render computes; the same on every device.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +36,9 @@ pub struct Settings {
     pub integrator: IntegratorKind,
     /// Settings of the integrator `lvc`.
     pub light_cache: LightCacheSettings,
+    /// Slots of the longest sample stream, at most 2^22 and by default as many: fewer take less
+    /// memory, and bound how many paths an adaptive round traces.
+    pub stream_slots: Option<u32>,
 }
 
 /// How a path's contribution is computed; see [`crate::render::integrator`].
@@ -82,28 +84,23 @@ pub enum Techniques {
     BsdfSampling,
 }
 
-/// Where a render's time went, by the device's clock.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Timings {
-    /// Tracing camera rays for the first-hit features.
-    pub features: Duration,
-    /// Filtering and estimating errors.
-    pub estimation: Duration,
-    /// Making sample streams of errors.
-    pub generation: Duration,
-    /// Tracing paths.
-    pub tracing: Duration,
-    /// Adding contributions to the film.
-    pub accumulation: Duration,
-}
-
-impl AddAssign for Timings {
-    fn add_assign(&mut self, other: Self) {
-        self.features += other.features;
-        self.estimation += other.estimation;
-        self.generation += other.generation;
-        self.tracing += other.tracing;
-        self.accumulation += other.accumulation;
+impl Settings {
+    /// The scene's picture size and path lengths, adaptive sampling, and the defaults of everything
+    /// else: what to begin with, `Settings { seed: 7, ..Settings::for_scene(&scene) }`.
+    pub fn for_scene(scene: &Scene) -> Self {
+        Self {
+            size: scene.film,
+            seed: 0,
+            independent_sampler: false,
+            max_depth: scene.limits.max_depth,
+            roulette_depth: scene.limits.roulette_depth,
+            techniques: Techniques::default(),
+            ray_offset: OFFSET_ROUNDINGS,
+            sampling: Sampling::default(),
+            integrator: IntegratorKind::default(),
+            light_cache: LightCacheSettings::default(),
+            stream_slots: None,
+        }
     }
 }
 

@@ -35,7 +35,7 @@ pub fn rounds<E: Executor>(
     let mut before = vec![DVec3::ZERO; (settings.size.width * settings.size.height) as usize];
     let mut pictures = Vec::with_capacity(count);
     for _ in 0..count {
-        renderer.round(samples, &mut |_| ()).expect("the device works");
+        renderer.uniform_round(samples).finish().expect("the device works");
         let film = renderer.film().expect("the device works");
         let sums: Vec<DVec3> = film.radiance.iter().map(|pixel| pixel.sum.as_dvec3()).collect();
         pictures.push(
@@ -86,8 +86,7 @@ fn a_render_is_repeatable() {
         };
         let film = |executor: &Hindered<'_, CpuExecutor>| {
             let mut renderer = Renderer::new(executor, &prepared, &settings).unwrap();
-            run(&mut renderer, Budget { samples: Some(40), time: None }, &|| false, &mut |_| ())
-                .unwrap();
+            run(&mut renderer, Budget::samples(40), &|| false, &mut |_| ()).unwrap();
             renderer.film().unwrap()
         };
         assert_eq!(film(&slow(1 << 20)), film(&fast(1 << 20)), "{:?}", sampling.allocator);
@@ -178,9 +177,7 @@ fn every_allocator_renders_with_it() {
         let sampling = Sampling { allocator, initial_samples: 4, ..Sampling::UNIFORM };
         let settings = Settings { sampling, ..lvc(&scene, 400) };
         let mut renderer = Renderer::new(&CpuExecutor, &prepared, &settings).unwrap();
-        let outcome =
-            run(&mut renderer, Budget { samples: Some(24), time: None }, &|| false, &mut |_| ())
-                .unwrap();
+        let outcome = run(&mut renderer, Budget::samples(24), &|| false, &mut |_| ()).unwrap();
         let film = renderer.film().unwrap();
         let samples: u64 = film.radiance.iter().map(|pixel| u64::from(pixel.samples)).sum();
         assert_eq!((samples, outcome.paths), (24 * 192, 24 * 192), "{allocator:?}");

@@ -117,7 +117,7 @@ fn pixels_that_have_converged_get_no_more_samples() {
     };
     let small = small(&CpuExecutor);
     let mut renderer = Renderer::new(&small, &scene, &Settings { sampling, ..settings }).unwrap();
-    renderer.step(u64::MAX, &mut |_| ()).unwrap();
+    renderer.step(u64::MAX).unwrap();
     let mut film = renderer.film().unwrap();
     let mean = mean_radiance(&film);
     let mut some_of_both = 0;
@@ -128,7 +128,7 @@ fn pixels_that_have_converged_get_no_more_samples() {
             break;
         }
         let before = std::mem::replace(&mut film, {
-            renderer.step(u64::MAX, &mut |_| ()).unwrap();
+            renderer.step(u64::MAX).unwrap();
             renderer.film().unwrap()
         });
         let got = |p: usize| film.radiance[p].samples - before.radiance[p].samples;

@@ -17,7 +17,7 @@ fn film<E: Executor>(executor: &E, scene: &PreparedScene, settings: &Settings) -
     let mut renderer = Renderer::new(executor, scene, settings).unwrap();
     let mut batches = 0;
     let mut last = 0;
-    run(&mut renderer, Budget { samples: Some(36), time: None }, &|| false, &mut |progress| {
+    run(&mut renderer, Budget::samples(36), &|| false, &mut |progress| {
         assert!(progress.paths > last, "progress");
         last = progress.paths;
         batches += 1;

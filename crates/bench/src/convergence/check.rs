@@ -54,7 +54,7 @@ impl Spread {
         let mut before = 0.0;
         let mut sums = Vec::new();
         for _ in 0..ROUNDS {
-            renderer.round(samples, &mut |_| ())?;
+            renderer.uniform_round(samples).finish()?;
             let sum: f64 = renderer.film()?.radiance.iter().map(|p| gray(p.sum)).sum();
             sums.push((sum - before) / f64::from(samples));
             before = sum;

@@ -58,13 +58,7 @@ fn average(points: &[Point]) -> Point {
         checkpoint: points[0].checkpoint,
         samples: mean(&|p| p.samples),
         wall: middle(&|p| p.wall),
-        device: Timings {
-            features: middle(&|p| p.device.features),
-            estimation: middle(&|p| p.device.estimation),
-            generation: middle(&|p| p.device.generation),
-            tracing: middle(&|p| p.device.tracing),
-            accumulation: middle(&|p| p.device.accumulation),
-        },
+        device: Timings::from_fn(|part| middle(&|p| p.device[part])),
         rays: mean(&|p| p.rays as f64).round() as u64,
         errors: Errors {
             rmse: mean(&|p| p.errors.rmse.powi(2)).sqrt(),

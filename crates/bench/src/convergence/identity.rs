@@ -1,6 +1,6 @@
 //! What a reference picture is a picture of, so that a stored one is taken for no other.
 
-use raystream::exec::gpu::SPIRV;
+use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{Camera, Material, Reflectance, Scene};
@@ -141,22 +141,17 @@ fn hex(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
-    use raystream::render::{LightCacheSettings, Sampling};
+    use raystream::render::LightCacheSettings;
     use raystream::scene::{FilmSize, embedded};
 
     fn settings() -> Settings {
         Settings {
             size: FilmSize { width: 4, height: 3 },
             seed: 1,
-            independent_sampler: false,
             max_depth: 8,
-            roulette_depth: 5,
-            techniques: Techniques::Both,
             ray_offset: 4.0,
-            sampling: Sampling::UNIFORM,
             integrator: IntegratorKind::Megakernel,
-            light_cache: LightCacheSettings::default(),
+            ..Settings::for_scene(&embedded().unwrap())
         }
     }
 
@@ -183,7 +178,7 @@ mod tests {
             },
             {
                 let mut scene = scene.clone();
-                scene.background = Vec3::ONE;
+                scene.background = glam::Vec3::ONE;
                 scene
             },
         ];

@@ -139,7 +139,7 @@ pub fn measure<E: Executor>(
     }
     let first = integrators.first().copied().unwrap_or(settings.integrator);
     let mut other = Renderer::new(executor, scene, &uniform(first))?;
-    let mut render_other = |time| warm_up(time, || other.round(1, &mut |_| ()).map(drop));
+    let mut render_other = |time| warm_up(time, || other.uniform_round(1).finish().map(drop));
     render_other(WARM_UP)?;
     let mut curves = vec![Vec::new(); plan.configurations.len()];
     let mut rounds = vec![Vec::new(); plan.configurations.len()];

@@ -69,7 +69,7 @@ impl Reference {
         let mut done = 0;
         let mut half = |seed, samples| -> Result<Film, BenchError> {
             let mut renderer = Renderer::new(executor, scene, &Settings { seed, ..*settings })?;
-            let budget = Budget { samples: Some(samples), time: None };
+            let budget = Budget::samples(samples);
             let outcome = run(&mut renderer, budget, &|| false, &mut |progress| {
                 observe(&Progress {
                     paths: done + progress.paths,

@@ -30,7 +30,7 @@ pub struct Recorded {
 /// A uniform render stops at every checkpoint, an adaptive one takes its rounds as they come: what
 /// a round passes is measured after it. It ends early if no pixel wants samples any more.
 pub fn record<E: Executor>(
-    renderer: &mut Renderer<'_, E>,
+    renderer: &mut Renderer<E>,
     settings: &Settings,
     checkpoints: &[u32],
     reference: &Reference,
@@ -46,7 +46,7 @@ pub fn record<E: Executor>(
         let before = renderer.paths();
         let paths_left = if uniform { u64::from(checkpoint) * pixels - before } else { u64::MAX };
         let start = Instant::now();
-        let timings = renderer.step(paths_left, &mut |_| ())?;
+        let timings = renderer.step(paths_left)?;
         let elapsed = start.elapsed();
         wall += elapsed;
         device += timings;
@@ -121,7 +121,7 @@ pub fn rehearse<E: Executor>(
     let mut renderer = Renderer::new(executor, scene, settings)?;
     let paths = 2 * u64::from(renderer.pixels());
     for _ in 0..3 {
-        renderer.step(paths, &mut |_| ())?;
+        renderer.step(paths)?;
     }
     renderer.film()?;
     Ok(())
@@ -147,7 +147,7 @@ pub fn render_to<E: Executor>(
         if missing as f64 <= MISSING * goal as f64 {
             return Ok(renderer.film()?);
         }
-        renderer.step(missing, &mut |_| ())?;
+        renderer.step(missing)?;
         if renderer.paths() == before {
             return Ok(renderer.film()?);
         }

@@ -300,10 +300,11 @@ fn rounds(breakdowns: &[(String, Breakdown)]) -> Vec<Column> {
         }));
     }
     let two_digits = |value: Option<f64>| value.map(|value| format!("{value:.2}"));
+    columns.push(column("Mpaths/s", &|b| {
+        two_digits(millions_per_second(b.paths, b.timings.tracing()))
+    }));
     columns
-        .push(column("Mpaths/s", &|b| two_digits(millions_per_second(b.paths, b.timings.tracing))));
-    columns
-        .push(column("Mrays/s", &|b| two_digits(millions_per_second(b.rays, b.timings.tracing))));
+        .push(column("Mrays/s", &|b| two_digits(millions_per_second(b.rays, b.timings.tracing()))));
     columns.push(column("generation + accumulation by tracing", &|b| {
         b.overhead.map(|o| format!("{:.2} %", 100.0 * o))
     }));

@@ -2,7 +2,7 @@
 
 use crate::{BenchError, median};
 use raystream::exec::Executor;
-use raystream::render::{PreparedScene, Renderer, Sampling, Settings, Timings};
+use raystream::render::{Part, PreparedScene, Renderer, Sampling, Settings, Timings};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
@@ -57,7 +57,7 @@ impl UniformRates {
             let goal = first + u64::from(samples) * pixels;
             let mut tracing = Duration::ZERO;
             while renderer.paths() < goal {
-                tracing += renderer.step(goal - renderer.paths(), &mut |_| ())?.tracing;
+                tracing += renderer.step(goal - renderer.paths())?.tracing();
             }
             Ok((renderer.paths() - first, renderer.rays()? - rays, tracing))
         };
@@ -120,7 +120,7 @@ impl Breakdown {
         }
         // The seconds that a round takes to trace, if its time can be told from none.
         let seconds = |round: &Round| {
-            Some(round.timings.tracing.as_secs_f64()).filter(|&seconds| seconds > 0.0)
+            Some(round.timings.tracing().as_secs_f64()).filter(|&seconds| seconds > 0.0)
         };
         Self {
             rounds: rounds.len(),
@@ -135,7 +135,7 @@ impl Breakdown {
             }),
             overhead: median_of(rounds, |round| {
                 Some(
-                    (round.timings.generation + round.timings.accumulation).as_secs_f64()
+                    (round.timings.generation() + round.timings.accumulation()).as_secs_f64()
                         / seconds(round)?,
                 )
             }),
@@ -157,13 +157,7 @@ pub fn millions_per_second(count: u64, time: Duration) -> Option<f64> {
 
 /// The parts of a round in the order in which they follow each other, with their names.
 pub fn parts(timings: &Timings) -> [(&'static str, Duration); 5] {
-    [
-        ("features", timings.features),
-        ("estimation", timings.estimation),
-        ("generation", timings.generation),
-        ("tracing", timings.tracing),
-        ("accumulation", timings.accumulation),
-    ]
+    std::array::from_fn(|index| Part::ALL[index]).map(|part| (part.name(), timings[part]))
 }
 
 #[cfg(test)]
@@ -171,8 +165,9 @@ mod tests {
     use super::*;
 
     fn round(paths: u64, rays: u64, tracing: f64) -> Round {
-        let timings = Timings { tracing: Duration::from_secs_f64(tracing), ..Timings::default() };
-        Round { paths, rays, timings, wall: timings.tracing }
+        let mut timings = Timings::default();
+        timings[Part::Tracing] = Duration::from_secs_f64(tracing);
+        Round { paths, rays, timings, wall: timings.tracing() }
     }
 
     #[test]

@@ -89,7 +89,7 @@ fn row(measured: &Measured, first: &Measured, stream: u32) -> Row {
 
 /// Millions of paths by second of tracing on the device's own clock.
 fn tracing_speed(speed: &crate::paths::PathSpeed) -> f64 {
-    speed.outcome.paths as f64 / speed.outcome.timings.tracing.as_secs_f64().max(1e-9) / 1e6
+    speed.outcome.paths as f64 / speed.outcome.timings.tracing().as_secs_f64().max(1e-9) / 1e6
 }
 
 fn repetition_rows(measured: &Measured) -> impl Iterator<Item = RepetitionRow> {

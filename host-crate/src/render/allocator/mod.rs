@@ -25,7 +25,7 @@ use std::ops::Range;
 /// A pixel's sample numbers continue its film's count without gaps. Samples are added to a pixel in
 /// the order of their numbers, by one thread at a time: then the film does not depend on the
 /// device. (All but [`atomic`] keep to this.)
-pub trait Allocator<E: Executor> {
+pub trait Allocator<E: Executor>: Send + Sync {
     /// Cuts a round of `paths` paths into streams of at most `largest` slots.
     fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream>;
 

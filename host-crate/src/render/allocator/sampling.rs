@@ -49,6 +49,13 @@ named! {
     }
 }
 
+impl Default for Sampling {
+    /// [`Sampling::ADAPTIVE`].
+    fn default() -> Self {
+        Self::ADAPTIVE
+    }
+}
+
 impl Sampling {
     /// Every pixel equally.
     pub const UNIFORM: Self = Self {
@@ -60,6 +67,10 @@ impl Sampling {
         noise: None,
         estimation: EstimationSettings::DEFAULT,
     };
+
+    /// By the estimated error: the default allocator and estimator.
+    pub const ADAPTIVE: Self =
+        Self { allocator: AllocatorKind::Runs, estimator: Estimator::Bilateral, ..Self::UNIFORM };
 
     /// Samples per pixel, on average, of a round after pixels have got `average` samples each:
     /// [`Self::round_budget`], or enough that the errors, which have changed little, need not be

@@ -1,202 +1,192 @@
 //! Estimators on a device: from the film to the errors that allocators go by.
+//!
+//! [`EstimateBuffers`] has the launches; [`Estimation`] knows when they are due.
 
+mod buffers;
 pub mod settings;
 
-use self::settings::{Estimator, FilterSettings};
-use super::allocator::sampling::Sampling;
-use super::film::{Band, FilmBuffers};
-use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+pub use buffers::{ComingRound, EstimateBuffers, Noise};
+
+use super::allocator::sampling::{AllocatorKind, Sampling};
+use super::round::{DeviceState, TimedLaunches};
+use super::timings::{Part, Timings};
+use crate::exec::{Array, ExecError, Executor};
 use crate::scene::FilmSize;
-use bytemuck::Zeroable;
-use raystream_shaders::estimator::bilateral::FilterParams;
-use raystream_shaders::estimator::guide::{Guide, GuideParams, HALVES, SUM_OF_SQUARES};
-use raystream_shaders::estimator::{ErrorForm, ErrorTotal, Estimate, NoiseParams, TotalParams};
-use raystream_shaders::film::tiles::pixel_of_rank;
-use raystream_shaders::scene::camera::Camera;
+use raystream_shaders::estimator::Estimate;
+use raystream_shaders::integrator::first_hits::FEATURE_SAMPLES;
 
-/// What the largest buffer is called in errors.
-const GUIDES: &str = "what estimates the errors of so large a picture";
-/// Threads that add up errors.
-const ADDERS: u32 = 4096;
+/// Camera rays of each pixel's features that are enough for a filter.
+const FILTER_FEATURE_SAMPLES: u32 = 8;
 
-/// Estimates of every pixel, in rank order. Filters look across bands, so these buffers are whole:
-/// 48 bytes a pixel are the largest.
+/// The errors of a render, and the features that filters look at: how far both are behind the film.
 pub struct Estimation<B> {
-    size: FilmSize,
-    guides: Array<B, Guide>,
-    estimates: Array<B, Estimate>,
-    errors: Array<B, f32>,
-    totals: Array<B, ErrorTotal>,
+    sampling: Sampling,
+    /// There are some where errors are asked for: by an allocator or by [`Sampling::noise`].
+    buffers: Option<EstimateBuffers<B>>,
+    /// What the uniform allocator, which does not look, is given as errors.
+    no_errors: Array<B, f32>,
+    /// Whether the errors are those of the film as it is: a round, better features or another mean
+    /// radiance change them.
+    is_current: bool,
+    /// Mean radiance of the picture as the first round saw it: what relative errors are relative to
+    /// must not change under way.
+    mean_radiance: Option<f32>,
+    /// Camera rays of each pixel's features.
+    feature_samples: u32,
 }
 
-/// What estimators need to know of the round that their errors are for.
+/// How far the film is.
 #[derive(Clone, Copy, Debug)]
-pub struct ComingRound {
-    /// Samples that it gives a pixel on average; above 0.
-    pub samples: f32,
-    /// Mean radiance of the picture so far, over pixels and components; at least 0. Relative errors
-    /// have a soft floor at a [part](raystream_shaders::estimator::SOFT_FLOOR) of it.
-    pub mean_radiance: f32,
+pub struct FilmSamples {
+    /// Whole samples that a pixel has on average.
+    pub average: u64,
+    /// Samples that the coming round gives a pixel on average.
+    pub coming: f64,
 }
 
-/// The noise of a picture, by its estimates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
-    /// Root of the mean over the pixels of the relative squared error; 1 is as large as the
-    /// picture.
-    pub relative_error: f64,
-    /// Pixels that have not converged.
-    pub unconverged: u64,
-    /// Mean radiance of the estimates' picture, over pixels and components.
-    pub mean_radiance: f64,
+impl FilmSamples {
+    /// Camera rays that the features of each pixel should have by now: as many as a pixel has
+    /// samples on average, at most `limit`.
+    fn feature_samples(self, limit: u32) -> u32 {
+        self.average.min(u64::from(limit)) as u32
+    }
 }
 
 impl<B> Estimation<B> {
-    /// Fails where a picture of `size` is too large for a device, whose kernels must be given all
-    /// guides at once.
-    pub fn check<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<(), ExecError> {
-        let bytes = u64::from(size.width) * u64::from(size.height) * size_of::<Guide>() as u64;
-        executor.check_size(GUIDES, bytes)
-    }
-
-    /// Buffers for a picture of `size`.
-    ///
-    /// # Errors
-    /// If the device has no room for them, or cannot give them to a kernel as a whole.
-    pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
-        let pixels = (size.width * size.height) as usize;
+    /// Of a picture of `size`; no memory of its size is asked for where `sampling` needs no errors.
+    pub fn new<E: Executor<Buffer = B>>(
+        executor: &E,
+        size: FilmSize,
+        sampling: Sampling,
+    ) -> Result<Self, ExecError> {
+        let is_wanted = sampling.allocator != AllocatorKind::Uniform || sampling.noise.is_some();
         Ok(Self {
-            size,
-            guides: Array::zeroed(executor, GUIDES, pixels)?,
-            estimates: Array::zeroed(executor, "estimates", pixels)?,
-            errors: Array::zeroed(executor, "errors", pixels)?,
-            totals: Array::zeroed(executor, "sums of errors", ADDERS as usize)?,
+            sampling,
+            buffers: is_wanted.then(|| EstimateBuffers::new(executor, size)).transpose()?,
+            no_errors: Array::zeroed(executor, "no errors", 1)?,
+            is_current: false,
+            mean_radiance: None,
+            feature_samples: 0,
         })
     }
 
-    /// The launches after which [`errors`](Self::errors) is what `sampling` asks for, given the
-    /// film. The film and `camera` are of the size that these buffers are for.
-    pub fn launches<'a>(
-        &'a self,
-        film: &'a FilmBuffers<B>,
-        camera: &Camera,
-        sampling: &Sampling,
-        round: ComingRound,
-    ) -> Vec<Launch<'a, B>> {
-        let form = ErrorForm {
-            samples_of_round: round.samples,
-            mean_radiance: round.mean_radiance,
-            noise: sampling.noise.unwrap_or(0.0),
-            relative: u32::from(sampling.relative),
-        };
-        let ranks =
-            |band: &Band<B>| band.first_rank as usize..band.first_rank as usize + band.film.len();
-        // All guides come before the first estimate: those at a band's border look across it.
-        let guides = film.bands().iter().map(|band| {
-            let parameters = GuideParams {
-                threads: band.film.len() as u32,
-                spread: if sampling.estimator == Estimator::Halves {
-                    HALVES
-                } else {
-                    SUM_OF_SQUARES
-                },
-                ..GuideParams::zeroed()
-            };
-            kernels::make_guides(
-                &parameters,
-                band.film.view(),
-                band.features.view(),
-                self.guides.slice(ranks(band)),
-            )
-        });
-        let estimates = film.bands().iter().map(|band| {
-            let (threads, first_rank) = (band.film.len() as u32, band.first_rank);
-            let FilmSize { width, height } = self.size;
-            let guides = self.guides.view();
-            let estimates = self.estimates.slice(ranks(band));
-            let errors = self.errors.slice(ranks(band));
-            match sampling.estimator {
-                Estimator::Bilateral => {
-                    let shared = filter_params(&sampling.estimation.filter, camera, form);
-                    let parameters = FilterParams { threads, first_rank, ..shared };
-                    kernels::filter_errors(&parameters, guides, estimates, errors)
-                }
-                Estimator::Halves | Estimator::Variance => {
-                    let smooth = u32::from(sampling.estimation.smooth);
-                    let parameters = NoiseParams {
-                        threads,
-                        first_rank,
-                        width,
-                        height,
-                        form,
-                        smooth,
-                        ..NoiseParams::zeroed()
-                    };
-                    kernels::noise_errors(&parameters, guides, estimates, errors)
-                }
-            }
-        });
-        guides.chain(estimates).collect()
-    }
-
-    /// The allocators' errors, in rank order: at least 0, or
-    /// [`CONVERGED`](raystream_shaders::estimator::CONVERGED).
+    /// The errors by which allocators go, in rank order; of any length where nobody asks for them.
     pub fn errors(&self) -> &Array<B, f32> {
-        &self.errors
+        self.buffers.as_ref().map_or(&self.no_errors, EstimateBuffers::errors)
     }
 
-    /// Copies the estimates to the host, in rows.
-    pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<Estimate>, ExecError> {
-        let FilmSize { width, height } = self.size;
-        let mut rows = vec![Estimate::zeroed(); self.estimates.len()];
-        for (rank, estimate) in self.estimates.read(executor)?.into_iter().enumerate() {
-            let (x, y) = pixel_of_rank(rank as u32, width, height);
-            rows[(y * width + x) as usize] = estimate;
+    /// Tells it that the film has changed.
+    pub fn film_changed(&mut self) {
+        self.is_current = false;
+    }
+
+    /// Launches that bring the features up to date and estimate the errors as they are, unless
+    /// that has been done; nothing where errors are not estimated. Once they have been run,
+    /// [`Self::updated`] must be told.
+    pub fn update<'a, E: Executor<Buffer = B>>(
+        &'a self,
+        state: &'a DeviceState<E>,
+        samples: FilmSamples,
+    ) -> TimedLaunches<'a, B> {
+        let mut launches = TimedLaunches::default();
+        let Some(buffers) = self.buffers.as_ref().filter(|_| !self.is_current) else {
+            return launches;
+        };
+        self.add_features(&mut launches, state, samples.feature_samples(FILTER_FEATURE_SAMPLES));
+        let round = ComingRound {
+            samples: samples.coming as f32,
+            mean_radiance: self.mean_radiance.unwrap_or(0.0),
+        };
+        let camera = &state.parameters.camera;
+        let estimates = buffers.launches(&state.film, camera, &self.sampling, round);
+        launches.add(estimates, Part::Estimation);
+        launches
+    }
+
+    /// The launches of [`Self::update`] have been run.
+    pub fn updated(&mut self, samples: FilmSamples) {
+        if self.buffers.is_some() {
+            let traced = samples.feature_samples(FILTER_FEATURE_SAMPLES);
+            self.feature_samples = self.feature_samples.max(traced);
+            self.is_current = true;
         }
-        Ok(rows)
     }
 
-    /// The noise by the last estimates; `mean_radiance` as in [`ComingRound`].
+    /// Estimates the errors now; nothing where they are not estimated.
+    pub fn run_update<E: Executor<Buffer = B>>(
+        &mut self,
+        state: &DeviceState<E>,
+        samples: FilmSamples,
+    ) -> Result<Timings, ExecError> {
+        let timings = self.update(state, samples).run(&state.executor)?;
+        self.updated(samples);
+        Ok(timings)
+    }
+
+    /// Measures the mean radiance, once there is any.
+    pub fn measure_mean_radiance<E: Executor<Buffer = B>>(
+        &mut self,
+        state: &DeviceState<E>,
+        samples: FilmSamples,
+    ) -> Result<Timings, ExecError> {
+        if self.mean_radiance.is_some() || samples.average == 0 {
+            return Ok(Timings::default());
+        }
+        let timings = self.run_update(state, samples)?;
+        if let Some(buffers) = &self.buffers {
+            let noise = buffers.noise(&state.executor, 0.0)?;
+            self.mean_radiance = Some(noise.mean_radiance as f32);
+            self.is_current = false;
+        }
+        Ok(timings)
+    }
+
+    /// The noise of the film; none where errors are not estimated.
     pub fn noise<E: Executor<Buffer = B>>(
+        &mut self,
+        state: &DeviceState<E>,
+        samples: FilmSamples,
+    ) -> Result<Option<Noise>, ExecError> {
+        self.measure_mean_radiance(state, samples)?;
+        self.run_update(state, samples)?;
+        let (Some(buffers), Some(mean_radiance)) = (&self.buffers, self.mean_radiance) else {
+            return Ok(None);
+        };
+        buffers.noise(&state.executor, mean_radiance).map(Some)
+    }
+
+    /// Brings the features of every pixel to as many camera rays as a picture of its samples
+    /// deserves: as many as a pixel has samples on average, at most [`FEATURE_SAMPLES`].
+    pub fn finish_features<E: Executor<Buffer = B>>(
+        &mut self,
+        state: &DeviceState<E>,
+        samples: FilmSamples,
+    ) -> Result<(), ExecError> {
+        let wanted = samples.feature_samples(FEATURE_SAMPLES);
+        let mut launches = TimedLaunches::default();
+        self.add_features(&mut launches, state, wanted);
+        launches.run(&state.executor)?;
+        self.feature_samples = self.feature_samples.max(wanted);
+        self.is_current = false;
+        Ok(())
+    }
+
+    /// Copies the estimates to the host, in rows; none where errors are not estimated.
+    pub fn read<E: Executor<Buffer = B>>(
         &self,
         executor: &E,
-        mean_radiance: f32,
-    ) -> Result<Noise, ExecError> {
-        let pixels = self.errors.len() as u32;
-        let parameters = TotalParams { threads: ADDERS, pixels, mean_radiance, pad: 0 };
-        executor.run(&[kernels::total_errors(
-            &parameters,
-            self.estimates.view(),
-            self.errors.view(),
-            self.totals.view(),
-        )])?;
-        let totals = self.totals.read(executor)?;
-        let mean = |of: fn(&ErrorTotal) -> f32| {
-            totals.iter().map(|t| f64::from(of(t))).sum::<f64>() / f64::from(pixels)
-        };
-        Ok(Noise {
-            relative_error: mean(|t| t.relative_error).sqrt(),
-            unconverged: totals.iter().map(|t| u64::from(t.unconverged)).sum(),
-            mean_radiance: mean(|t| t.radiance),
-        })
+    ) -> Result<Option<Vec<Estimate>>, ExecError> {
+        self.buffers.as_ref().map(|buffers| buffers.read(executor)).transpose()
     }
-}
 
-/// The filter's parameters for the camera's picture, but for the pixels that a launch takes.
-fn filter_params(filter: &FilterSettings, camera: &Camera, form: ErrorForm) -> FilterParams {
-    let radius = filter.radius as f32;
-    FilterParams {
-        width: camera.width,
-        height: camera.height,
-        origin: camera.origin,
-        pixel_pitch: camera.right.length(),
-        form,
-        radius: filter.radius,
-        color: u32::from(filter.color),
-        pixel_sigma: 0.5 * radius,
-        position_sigma: filter.position_sigma * radius,
-        normal_sigma: filter.normal_sigma,
-        albedo_sigma: filter.albedo_sigma,
-        ..FilterParams::zeroed()
+    fn add_features<'a, E: Executor<Buffer = B>>(
+        &self,
+        launches: &mut TimedLaunches<'a, B>,
+        state: &'a DeviceState<E>,
+        samples: u32,
+    ) {
+        if samples > self.feature_samples {
+            launches.add(state.first_hits(samples), Part::Features);
+        }
     }
 }

@@ -31,7 +31,7 @@ use std::ops::Range;
 /// The contribution of a slot depends on the slot (pixel and sample number) and on the scene, not
 /// on the lane that computes it nor on the other slots; that of an empty slot
 /// ([`NO_PIXEL`](raystream_shaders::film::stream::NO_PIXEL)) is [`Contribution::NOTHING`].
-pub trait Integrator<E: Executor> {
+pub trait Integrator<E: Executor>: Send + Sync {
     /// Launches that must come before a round's paths are traced.
     fn begin_round<'a>(
         &'a self,

@@ -1,184 +1,140 @@
-//! One round on a device: streams are filled, traced and accumulated.
+//! One round on a device: streams are filled, traced and accumulated, batch by batch.
 
 pub mod batch;
+mod launches;
+pub mod plan;
+mod state;
 
-use self::batch::BatchSize;
-use super::allocator::{Allocator, RoundBuffers, Stream};
-use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
-use super::integrator::{Integrator, StreamBuffers};
-use super::settings::Timings;
-use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers, halve_until_it_fits};
-use raystream_shaders::film::Contribution;
-use raystream_shaders::film::stream::Slot;
-use raystream_shaders::integrator::params::PathParams;
-use std::time::{Duration, Instant};
+pub use launches::TimedLaunches;
+pub use state::{DeviceState, MAX_STREAM, allocate_stream};
 
-/// What rounds work on.
-pub struct Stage<'e, E: Executor> {
-    /// The device.
-    pub executor: &'e E,
-    /// The scene.
-    pub scene: SceneBuffers<E::Buffer>,
-    /// The film.
-    pub film: FilmBuffers<E::Buffer>,
-    /// What is the same for all paths; `threads` is 0.
-    pub parameters: PathParams,
-    /// How the stream is traced.
-    pub integrator: Box<dyn Integrator<E>>,
-    /// The sample stream.
-    pub slots: Array<E::Buffer, Slot>,
-    /// What comes of it.
-    pub contributions: Array<E::Buffer, Contribution>,
+use self::plan::{RoundKind, RoundPlan};
+use super::allocator::{RoundBuffers, Stream};
+use super::film::WINDOW_ALIGNMENT;
+use super::renderer::Renderer;
+use super::timings::{Part, Timings};
+use crate::exec::{ExecError, Executor};
+use raystream_shaders::math::random::hash;
+use std::ops::Range;
+use std::time::Instant;
+
+/// A round under way: the caller takes it from batch to batch, and may look at the clock or tell
+/// of progress in between. A round that is dropped before its end leaves out the samples of the
+/// streams that it has not come to the end of.
+#[must_use = "a round traces nothing until its batches are taken"]
+pub struct Round<'r, E: Executor> {
+    renderer: &'r mut Renderer<E>,
+    plan: RoundPlan,
+    /// The streams that are still to be worked off, the next one last.
+    streams: Vec<Stream>,
+    /// The first slot of the next batch in the stream.
+    next: u32,
+    /// Whether no batch has been run.
+    is_new: bool,
+    timings: Timings,
 }
 
-/// A round to be run.
-pub struct Round<'a, B> {
-    /// Paths to trace.
-    pub paths: u64,
-    /// Number of the round, from 0 on.
-    pub number: u32,
-    /// A random number of the round.
-    pub salt: u32,
-    /// The errors by which the allocator goes, see [`RoundBuffers::errors`].
-    pub errors: &'a Array<B, f32>,
-    /// What is to be done before, such as filling the errors.
-    pub prelude: Parts<'a, B>,
+/// What one submission has traced.
+#[derive(Clone, Copy, Debug)]
+pub struct Batch {
+    /// Slots of the sample stream: as many paths, but for slots that stay empty.
+    pub paths: u32,
+    /// Where its time went.
+    pub timings: Timings,
 }
 
-/// Slots of the largest stream: 2^22 contributions are 134 MB, and four million paths fill any GPU.
-pub const MAX_STREAM: u32 = 1 << 22;
-
-impl<'e, E: Executor> Stage<'e, E> {
-    /// Runs a round: `prelude` first, then what `allocator` makes of the errors. `after_batch` is
-    /// called with the number of paths that each batch has traced. Returns the paths traced and
-    /// where the time went.
-    pub fn round(
-        &self,
-        allocator: &dyn Allocator<E>,
-        round: Round<'_, E::Buffer>,
-        batch: &mut BatchSize,
-        after_batch: &mut dyn FnMut(u32),
-    ) -> Result<(u64, Timings), ExecError> {
-        let Round { paths, number, salt, errors, mut prelude } = round;
-        prelude.add(self.integrator.begin_round(&self.stream_buffers(), number), |timings| {
-            &mut timings.tracing
-        });
-        let buffers = RoundBuffers {
-            film: &self.film,
-            errors,
-            slots: &self.slots,
-            contributions: &self.contributions,
-            salt,
+impl<'r, E: Executor> Round<'r, E> {
+    /// Begins the round; `timings` are of what was done for it before.
+    pub(super) fn new(renderer: &'r mut Renderer<E>, plan: RoundPlan, timings: Timings) -> Self {
+        let state = &renderer.state;
+        let paths = match plan.kind {
+            RoundKind::Uniform { samples } => u64::from(samples) * u64::from(state.film.pixels()),
+            RoundKind::Adaptive { paths } => paths,
         };
-        let mut timings = Timings::default();
-        let mut filled = 0;
-        for stream in allocator.streams(&self.film, paths, self.slots.len() as u32) {
-            timings += self.stream(
-                allocator,
-                std::mem::take(&mut prelude),
-                &buffers,
-                &stream,
-                batch,
-                after_batch,
-            )?;
-            filled += u64::from(allocator.filled(self.executor, &stream)?);
-        }
-        Ok((filled, timings))
+        let allocator = renderer.allocator(plan.kind);
+        let mut streams = allocator.streams(&state.film, paths, state.slots.len() as u32);
+        streams.reverse();
+        renderer.done.rounds += 1;
+        Self { renderer, plan, streams, next: 0, is_new: true, timings }
     }
 
-    fn stream_buffers(&self) -> StreamBuffers<'_, E::Buffer> {
-        StreamBuffers {
-            scene: &self.scene,
-            parameters: &self.parameters,
-            slots: &self.slots,
-            contributions: &self.contributions,
+    /// Traces the next batch: slots of one stream, as many as the device works off in about a tenth
+    /// of a second. None at the round's end.
+    pub fn next_batch(&mut self) -> Result<Option<Batch>, ExecError> {
+        let Some(stream) = self.streams.last() else { return Ok(None) };
+        let batch = self.renderer.batch.slots().next_multiple_of(WINDOW_ALIGNMENT);
+        let slots = self.next..stream.slots.min(self.next + batch);
+        let (paths, is_last) = (slots.end - slots.start, slots.end == stream.slots);
+        let executor = &self.renderer.state.executor;
+        let start = Instant::now();
+        let timings = self.launches(stream, slots.clone()).run(executor)?;
+        let elapsed = start.elapsed();
+        let allocator = self.renderer.allocator(self.plan.kind);
+        let filled = if is_last { allocator.filled(executor, stream)? } else { 0 };
+
+        let samples = self.renderer.film_samples();
+        let is_updated = self.is_new && self.is_adaptive();
+        let Renderer { estimation, done, batch, .. } = &mut *self.renderer;
+        if is_updated {
+            estimation.updated(samples);
         }
+        estimation.film_changed();
+        batch.record(paths, elapsed);
+        done.paths += u64::from(filled);
+        self.is_new = false;
+        self.next = slots.end;
+        if is_last {
+            self.streams.pop();
+            self.next = 0;
+        }
+        self.timings += timings;
+        Ok(Some(Batch { paths, timings }))
     }
 
-    /// Works off a stream, in one submission where it is no longer than a batch, with `prelude`
-    /// before it.
-    fn stream(
-        &self,
-        allocator: &dyn Allocator<E>,
-        prelude: Parts<'_, E::Buffer>,
-        buffers: &RoundBuffers<'_, E::Buffer>,
-        stream: &Stream,
-        batch: &mut BatchSize,
-        after_batch: &mut dyn FnMut(u32),
-    ) -> Result<Timings, ExecError> {
-        let mut timings = Timings::default();
-        let mut parts = prelude;
-        parts.add(allocator.fill(buffers, stream), |timings| &mut timings.generation);
-        let mut next = 0;
-        while next < stream.slots {
-            let end = stream.slots.min(next + batch.slots().next_multiple_of(WINDOW_ALIGNMENT));
-            parts.add(self.integrator.trace(&self.stream_buffers(), next..end), |timings| {
-                &mut timings.tracing
-            });
-            if end == stream.slots {
-                parts.add(allocator.accumulate(buffers, stream), |timings| {
-                    &mut timings.accumulation
-                });
+    /// The launches of a batch: with the first one what the round needs before, with a stream's
+    /// first one what fills it, with its last one what adds it to the film.
+    fn launches(&self, stream: &Stream, slots: Range<u32>) -> TimedLaunches<'_, E::Buffer> {
+        let Renderer { state, estimation, .. } = &*self.renderer;
+        let allocator = self.renderer.allocator(self.plan.kind);
+        let number = self.plan.number;
+        let mut launches = TimedLaunches::default();
+        if self.is_new {
+            if self.is_adaptive() {
+                launches = estimation.update(state, self.renderer.film_samples());
             }
-            let start = Instant::now();
-            timings += parts.run(self.executor)?;
-            batch.record(end - next, start.elapsed());
-            after_batch(end - next);
-            next = end;
+            let begin = state.integrator.begin_round(&state.stream_buffers(), number);
+            launches.add(begin, Part::Tracing);
         }
-        Ok(timings)
-    }
-}
-
-/// Where the time of a launch belongs.
-pub type Place = fn(&mut Timings) -> &mut Duration;
-
-/// Launches of one submission.
-pub struct Parts<'a, B> {
-    parts: Vec<(Vec<Launch<'a, B>>, Place)>,
-}
-
-impl<B> Default for Parts<'_, B> {
-    fn default() -> Self {
-        Self { parts: Vec::new() }
-    }
-}
-
-impl<'a, B> Parts<'a, B> {
-    /// Adds launches whose time belongs to `place`.
-    pub fn add(&mut self, launches: Vec<Launch<'a, B>>, place: Place) {
-        self.parts.push((launches, place));
-    }
-
-    /// Runs them all and forgets them. Where `RUST_LOG` asks for traces, every launch is timed.
-    pub fn run<E: Executor<Buffer = B>>(&mut self, executor: &E) -> Result<Timings, ExecError> {
-        let parts = std::mem::take(&mut self.parts);
-        let longest = if tracing::enabled!(tracing::Level::TRACE) { 1 } else { usize::MAX };
-        let timed = || {
-            parts.iter().flat_map(|(launches, place)| {
-                launches.chunks(longest).map(move |part| (part, place))
-            })
+        let buffers = RoundBuffers {
+            film: &state.film,
+            errors: estimation.errors(),
+            slots: &state.slots,
+            contributions: &state.contributions,
+            salt: if self.is_adaptive() { hash(self.renderer.seed ^ hash(number)) } else { 0 },
         };
-        let times = executor.run_parts(&timed().map(|(part, _)| part).collect::<Vec<_>>())?;
-        let mut timings = Timings::default();
-        for ((part, place), time) in timed().zip(times) {
-            *place(&mut timings) += time;
-            let (kernel, threads) = (part[0].kernel().name, part[0].threads());
-            tracing::trace!("{:8.1} us {kernel} of {threads} threads", time.as_secs_f64() * 1e6);
+        let (is_first, is_last) = (slots.start == 0, slots.end == stream.slots);
+        if is_first {
+            launches.add(allocator.fill(&buffers, stream), Part::Generation);
         }
-        Ok(timings)
+        launches.add(state.integrator.trace(&state.stream_buffers(), slots), Part::Tracing);
+        if is_last {
+            launches.add(allocator.accumulate(&buffers, stream), Part::Accumulation);
+        }
+        launches
     }
-}
 
-/// The sample stream and its contributions, as large as useful and as the device has room for.
-#[expect(clippy::type_complexity, reason = "a pair, taken apart at once")]
-pub fn allocate_stream<E: Executor>(
-    executor: &E,
-) -> Result<(Array<E::Buffer, Slot>, Array<E::Buffer, Contribution>), ExecError> {
-    let fitting = executor.limits().buffer_bytes / size_of::<Contribution>() as u64;
-    let capacity = u64::from(MAX_STREAM).min(fitting) as u32;
-    halve_until_it_fits(capacity, 4 * WINDOW_ALIGNMENT, |capacity| {
-        let slots = Array::zeroed(executor, "the sample stream", capacity as usize)?;
-        Ok((slots, Array::zeroed(executor, "contributions", capacity as usize)?))
-    })
+    fn is_adaptive(&self) -> bool {
+        matches!(self.plan.kind, RoundKind::Adaptive { .. })
+    }
+
+    /// Where the time of the batches so far went.
+    pub fn timings(&self) -> Timings {
+        self.timings
+    }
+
+    /// Traces what is left of the round. Returns where the time of all of it went.
+    pub fn finish(mut self) -> Result<Timings, ExecError> {
+        while self.next_batch()?.is_some() {}
+        Ok(self.timings)
+    }
 }

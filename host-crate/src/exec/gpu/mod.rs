@@ -1,12 +1,14 @@
 //! The executor that runs kernels on a GPU, through wgpu.
 
+mod adapters;
+
+pub(super) use adapters::Adapters;
+
+use super::kernels::SPIRV;
 use super::{Access, ExecError, Executor, Kernel, Launch, Limits, kernels};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-
-/// The kernels, compiled by `cargo shaders`.
-pub static SPIRV: &[u8] = include_bytes!("../../shaders/kernels.spv");
 
 /// Bytes that are copied between host and device at once.
 const TRANSFER_BYTES: u64 = 64 << 20;

@@ -1,0 +1,200 @@
+//! What estimators work on, and their launches.
+
+use super::settings::{Estimator, FilterSettings};
+use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::render::allocator::sampling::Sampling;
+use crate::render::film::{Band, FilmBuffers};
+use crate::scene::FilmSize;
+use bytemuck::Zeroable;
+use raystream_shaders::estimator::bilateral::FilterParams;
+use raystream_shaders::estimator::guide::{Guide, GuideParams, HALVES, SUM_OF_SQUARES};
+use raystream_shaders::estimator::{ErrorForm, ErrorTotal, Estimate, NoiseParams, TotalParams};
+use raystream_shaders::film::tiles::pixel_of_rank;
+use raystream_shaders::scene::camera::Camera;
+
+/// What the largest buffer is called in errors.
+const GUIDES: &str = "what estimates the errors of so large a picture";
+/// Threads that add up errors.
+const ADDERS: u32 = 4096;
+
+/// Estimates of every pixel, in rank order. Filters look across bands, so these buffers are whole:
+/// 48 bytes a pixel are the largest.
+pub struct EstimateBuffers<B> {
+    size: FilmSize,
+    guides: Array<B, Guide>,
+    estimates: Array<B, Estimate>,
+    errors: Array<B, f32>,
+    totals: Array<B, ErrorTotal>,
+}
+
+/// What estimators need to know of the round that their errors are for.
+#[derive(Clone, Copy, Debug)]
+pub struct ComingRound {
+    /// Samples that it gives a pixel on average; above 0.
+    pub samples: f32,
+    /// Mean radiance of the picture so far, over pixels and components; at least 0. Relative errors
+    /// have a soft floor at a [part](raystream_shaders::estimator::SOFT_FLOOR) of it.
+    pub mean_radiance: f32,
+}
+
+/// The noise of a picture, by its estimates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Root of the mean over the pixels of the relative squared error; 1 is as large as the
+    /// picture.
+    pub relative_error: f64,
+    /// Pixels that have not converged.
+    pub unconverged: u64,
+    /// Mean radiance of the estimates' picture, over pixels and components.
+    pub mean_radiance: f64,
+}
+
+impl<B> EstimateBuffers<B> {
+    /// Fails where a picture of `size` is too large for a device, whose kernels must be given all
+    /// guides at once.
+    pub fn check<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<(), ExecError> {
+        let bytes = u64::from(size.width) * u64::from(size.height) * size_of::<Guide>() as u64;
+        executor.check_size(GUIDES, bytes)
+    }
+
+    /// Buffers for a picture of `size`.
+    ///
+    /// # Errors
+    /// If the device has no room for them, or cannot give them to a kernel as a whole.
+    pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
+        let pixels = (size.width * size.height) as usize;
+        Ok(Self {
+            size,
+            guides: Array::zeroed(executor, GUIDES, pixels)?,
+            estimates: Array::zeroed(executor, "estimates", pixels)?,
+            errors: Array::zeroed(executor, "errors", pixels)?,
+            totals: Array::zeroed(executor, "sums of errors", ADDERS as usize)?,
+        })
+    }
+
+    /// The launches after which [`errors`](Self::errors) is what `sampling` asks for, given the
+    /// film. The film and `camera` are of the size that these buffers are for.
+    pub fn launches<'a>(
+        &'a self,
+        film: &'a FilmBuffers<B>,
+        camera: &Camera,
+        sampling: &Sampling,
+        round: ComingRound,
+    ) -> Vec<Launch<'a, B>> {
+        let form = ErrorForm {
+            samples_of_round: round.samples,
+            mean_radiance: round.mean_radiance,
+            noise: sampling.noise.unwrap_or(0.0),
+            relative: u32::from(sampling.relative),
+        };
+        let ranks =
+            |band: &Band<B>| band.first_rank as usize..band.first_rank as usize + band.film.len();
+        // All guides come before the first estimate: those at a band's border look across it.
+        let guides = film.bands().iter().map(|band| {
+            let parameters = GuideParams {
+                threads: band.film.len() as u32,
+                spread: if sampling.estimator == Estimator::Halves {
+                    HALVES
+                } else {
+                    SUM_OF_SQUARES
+                },
+                ..GuideParams::zeroed()
+            };
+            kernels::make_guides(
+                &parameters,
+                band.film.view(),
+                band.features.view(),
+                self.guides.slice(ranks(band)),
+            )
+        });
+        let estimates = film.bands().iter().map(|band| {
+            let (threads, first_rank) = (band.film.len() as u32, band.first_rank);
+            let FilmSize { width, height } = self.size;
+            let guides = self.guides.view();
+            let estimates = self.estimates.slice(ranks(band));
+            let errors = self.errors.slice(ranks(band));
+            match sampling.estimator {
+                Estimator::Bilateral => {
+                    let shared = filter_params(&sampling.estimation.filter, camera, form);
+                    let parameters = FilterParams { threads, first_rank, ..shared };
+                    kernels::filter_errors(&parameters, guides, estimates, errors)
+                }
+                Estimator::Halves | Estimator::Variance => {
+                    let smooth = u32::from(sampling.estimation.smooth);
+                    let parameters = NoiseParams {
+                        threads,
+                        first_rank,
+                        width,
+                        height,
+                        form,
+                        smooth,
+                        ..NoiseParams::zeroed()
+                    };
+                    kernels::noise_errors(&parameters, guides, estimates, errors)
+                }
+            }
+        });
+        guides.chain(estimates).collect()
+    }
+
+    /// The allocators' errors, in rank order: at least 0, or
+    /// [`CONVERGED`](raystream_shaders::estimator::CONVERGED).
+    pub fn errors(&self) -> &Array<B, f32> {
+        &self.errors
+    }
+
+    /// Copies the estimates to the host, in rows.
+    pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<Estimate>, ExecError> {
+        let FilmSize { width, height } = self.size;
+        let mut rows = vec![Estimate::zeroed(); self.estimates.len()];
+        for (rank, estimate) in self.estimates.read(executor)?.into_iter().enumerate() {
+            let (x, y) = pixel_of_rank(rank as u32, width, height);
+            rows[(y * width + x) as usize] = estimate;
+        }
+        Ok(rows)
+    }
+
+    /// The noise by the last estimates; `mean_radiance` as in [`ComingRound`].
+    pub fn noise<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        mean_radiance: f32,
+    ) -> Result<Noise, ExecError> {
+        let pixels = self.errors.len() as u32;
+        let parameters = TotalParams { threads: ADDERS, pixels, mean_radiance, pad: 0 };
+        executor.run(&[kernels::total_errors(
+            &parameters,
+            self.estimates.view(),
+            self.errors.view(),
+            self.totals.view(),
+        )])?;
+        let totals = self.totals.read(executor)?;
+        let mean = |of: fn(&ErrorTotal) -> f32| {
+            totals.iter().map(|t| f64::from(of(t))).sum::<f64>() / f64::from(pixels)
+        };
+        Ok(Noise {
+            relative_error: mean(|t| t.relative_error).sqrt(),
+            unconverged: totals.iter().map(|t| u64::from(t.unconverged)).sum(),
+            mean_radiance: mean(|t| t.radiance),
+        })
+    }
+}
+
+/// The filter's parameters for the camera's picture, but for the pixels that a launch takes.
+fn filter_params(filter: &FilterSettings, camera: &Camera, form: ErrorForm) -> FilterParams {
+    let radius = filter.radius as f32;
+    FilterParams {
+        width: camera.width,
+        height: camera.height,
+        origin: camera.origin,
+        pixel_pitch: camera.right.length(),
+        form,
+        radius: filter.radius,
+        color: u32::from(filter.color),
+        pixel_sigma: 0.5 * radius,
+        position_sigma: filter.position_sigma * radius,
+        normal_sigma: filter.normal_sigma,
+        albedo_sigma: filter.albedo_sigma,
+        ..FilterParams::zeroed()
+    }
+}
