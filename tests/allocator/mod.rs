@@ -240,7 +240,7 @@ fn films_are_sequential_sums_however_far_apart_runs_are() {
         round.assert_sound(&cpu, "far apart");
         assert_same_bytes(&cpu.film, &round.sequential_film(&cpu, false), "far apart");
         with_gpu(|gpu| {
-            assert_same_bytes(&round.make(gpu, Runs, false).film, &cpu.film, "far apart")
+            assert_same_bytes(&round.make(gpu, Runs, false).film, &cpu.film, "far apart");
         });
     }
 }

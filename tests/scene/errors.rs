@@ -257,7 +257,7 @@ fn textures() {
     let textured = |name: &str| {
         SceneFolder::new().json(|scene| {
             scene["materials"] =
-                json!({"red wall": {"type": "diffuse", "reflectance": {"texture": name}}})
+                json!({"red wall": {"type": "diffuse", "reflectance": {"texture": name}}});
         })
     };
     expect(

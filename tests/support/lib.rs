@@ -1,5 +1,11 @@
 //! What the tests share: scenes, devices, renders and statistics.
 
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    reason = "the tests that call it should fail where it does"
+)]
+
 pub mod devices;
 pub mod executors;
 pub mod histogram;

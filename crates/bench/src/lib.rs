@@ -1,7 +1,6 @@
 //! Measurements: traversal ([`rays`]), whole paths ([`paths`]), integrators side by side
 //! ([`integrators`]) and what adaptive sampling or another integrator gains ([`convergence`]). Each
 //! checks its own result before it gives a figure.
-#![deny(missing_docs)]
 
 pub mod convergence;
 mod files;

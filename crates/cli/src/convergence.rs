@@ -231,7 +231,7 @@ impl ConvergenceArguments {
         let reference =
             self.reference(device, &prepared, &reference_settings, samples, &identity, &path)?;
         let measurement = measure(device, &prepared, &settings, plan, &reference, &mut |line| {
-            self.tell(&format!("    {line}"))
+            self.tell(&format!("    {line}"));
         })?;
         self.tell("    pictures at equal time");
         Ok(write_scene(
@@ -274,7 +274,7 @@ impl ConvergenceArguments {
         }
         let mut display = ProgressDisplay::new(self.quiet);
         let reference = Reference::render(device, scene, settings, samples, &mut |progress| {
-            display.show(progress)
+            display.show(progress);
         });
         display.finish();
         let reference = reference?;

@@ -21,7 +21,7 @@ pub fn run(arguments: &DevicesArguments) -> Result<Ending, CliError> {
         match device.unsuitable {
             Some(reason) => print_line(&format!("    cannot be used: {reason}"))?,
             None => {
-                print_line(&format!("    largest buffer {}", output::bytes(device.buffer_bytes)))?
+                print_line(&format!("    largest buffer {}", output::bytes(device.buffer_bytes)))?;
             }
         }
     }

@@ -136,7 +136,7 @@ impl IntegratorsArguments {
         };
         let prepared = self.settings.prepare(scene)?;
         let measured = measure(device, &prepared, &settings, &plan, &mut |line| {
-            self.tell(&format!("    {line}"))
+            self.tell(&format!("    {line}"));
         })?;
         Ok(write_scene(&measured, plan.stream, &About { label, facts }, &folder)?)
     }

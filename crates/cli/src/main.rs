@@ -1,5 +1,11 @@
 //! The `raystream` binary: the command line.
 
+#![warn(
+    clippy::print_stderr,
+    clippy::print_stdout,
+    reason = "they panic where the reader has gone away, as in `| head`"
+)]
+
 mod bench;
 mod choices;
 mod compare;

@@ -159,7 +159,7 @@ fn render_film(
     let mut renderer = Renderer::new(device, scene, settings)?;
     let outcome =
         render(&mut renderer, budget, &|| interrupted.load(Ordering::Relaxed), &mut |progress| {
-            display.show(progress)
+            display.show(progress);
         });
     display.finish();
     renderer.finish_features()?;

@@ -48,7 +48,7 @@ impl Canvas {
 
     /// Writes black text, its upper left corner at (`x`, `y`). A letter that is not in Latin-1
     /// becomes a question mark.
-    pub fn write(&mut self, x: u32, y: u32, text: &str, font: &MonoFont) {
+    pub fn write(&mut self, x: u32, y: u32, text: &str, font: &MonoFont<'_>) {
         // Beyond that there is no picture.
         if let (Ok(x), Ok(y)) = (x.try_into(), y.try_into()) {
             let style = MonoTextStyle::new(font, Rgb888::BLACK);
@@ -91,7 +91,7 @@ pub(super) fn font_for(width: u32) -> &'static MonoFont<'static> {
 }
 
 /// Columns that a text takes.
-pub(super) fn text_width(text: &str, font: &MonoFont) -> u32 {
+pub(super) fn text_width(text: &str, font: &MonoFont<'_>) -> u32 {
     text.chars().count() as u32 * (font.character_size.width + font.character_spacing)
 }
 

@@ -162,15 +162,15 @@ struct Tick {
     label: Option<(u32, String)>,
 }
 
-fn margin(font: &MonoFont) -> u32 {
+fn margin(font: &MonoFont<'_>) -> u32 {
     font.character_size.height / 2
 }
 
-fn line_height(font: &MonoFont) -> u32 {
+fn line_height(font: &MonoFont<'_>) -> u32 {
     font.character_size.height * 5 / 4
 }
 
-fn tick_length(font: &MonoFont) -> u32 {
+fn tick_length(font: &MonoFont<'_>) -> u32 {
     font.character_size.height / 3
 }
 

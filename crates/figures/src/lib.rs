@@ -1,6 +1,5 @@
 //! Figures: numbers as colours with a legend ([`color_map`]), the layers of a render as pictures
 //! ([`png_layers`]), and plots ([`plot`]).
-#![deny(missing_docs)]
 
 mod canvas;
 pub mod color_map;

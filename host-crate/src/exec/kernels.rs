@@ -59,7 +59,7 @@ macro_rules! kernels {
     )*) => {
         $(
             $(#[$doc])*
-            #[allow(clippy::too_many_arguments)] // one for each binding, whose types differ
+            #[allow(clippy::too_many_arguments, reason = "one for each binding, of types of their own")]
             pub fn $name<'a, B>(
                 $parameters: &$Parameters,
                 $($scene: &'a SceneBuffers<B>,)?
@@ -84,7 +84,7 @@ macro_rules! kernels {
 
             $(
                 $(#[$doc])*
-                #[allow(non_upper_case_globals)] // called like its entry point
+                #[allow(non_upper_case_globals, reason = "it is called like its entry point")]
                 pub static $name: Kernel = Kernel {
                     name: stringify!($name),
                     workgroup_size: $workgroup,

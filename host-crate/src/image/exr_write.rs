@@ -194,7 +194,7 @@ pub(super) mod tests {
             }
             let color = read_color(&path).unwrap();
             assert_eq!((color.width, color.height), (width, height));
-            let flat = |pixels: &[Vec3]| bits(pixels.iter().flat_map(|p| p.to_array()));
+            let flat = |pixels: &[Vec3]| bits(pixels.iter().flat_map(Vec3::to_array));
             assert_eq!(flat(&color.pixels), flat(&film.color()));
             assert_eq!(
                 std::fs::read_dir(folder.path()).unwrap().count(),
@@ -215,7 +215,7 @@ pub(super) mod tests {
             pixels: vec![strange, Vec3::new(f32::MAX, 1e-45, -1.0)],
         };
         write_color(&path, &image, &[], &Display::default()).unwrap();
-        let flat = |image: &ColorImage| bits(image.pixels.iter().flat_map(|p| p.to_array()));
+        let flat = |image: &ColorImage| bits(image.pixels.iter().flat_map(Vec3::to_array));
         assert_eq!(flat(&read_color(&path).unwrap()), flat(&image));
         assert_eq!(read_layers(&path).unwrap().channels.len(), 3);
     }

@@ -18,7 +18,7 @@ impl Format {
     /// # Errors
     /// [`ImageError::UnknownExtension`] if it names none.
     pub fn of(path: &Path) -> Result<Format, ImageError> {
-        match path.extension().map(|e| e.to_ascii_lowercase()) {
+        match path.extension().map(std::ffi::OsStr::to_ascii_lowercase) {
             Some(e) if e == "exr" => Ok(Format::Exr),
             Some(e) if e == "png" => Ok(Format::Png),
             _ => Err(ImageError::UnknownExtension { path: path.to_owned() }),

@@ -26,12 +26,12 @@ pub(super) fn coordinates(values: &[f64]) -> Result<DVec3, String> {
 
 /// A share of light: linear Rec.709, each component in [0, 1].
 pub(super) fn reflectance(values: &[f64]) -> Result<Vec3, String> {
-    triple(values, 0.0..=1.0).map(|v| v.as_vec3())
+    triple(values, 0.0..=1.0).map(DVec3::as_vec3)
 }
 
 /// Emitted light: linear Rec.709, no component negative.
 pub(super) fn radiance(values: &[f64]) -> Result<Vec3, String> {
-    triple(values, 0.0..=MAX_RADIANCE).map(|v| v.as_vec3())
+    triple(values, 0.0..=MAX_RADIANCE).map(DVec3::as_vec3)
 }
 
 /// An index of refraction.

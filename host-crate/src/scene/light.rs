@@ -22,14 +22,14 @@ impl QuadLight {
     /// A light with a `corner`, the edges `u` and `v` that start there, in world units, and a
     /// `radiance`, linear Rec.709. It emits from the side of `u.cross(v)`.
     pub fn new(corner: Vec3, u: Vec3, v: Vec3, radiance: Vec3) -> Self {
-        let [corner, u, v] = [corner, u, v].map(|vector| vector.as_dvec3());
+        let [corner, u, v] = [corner, u, v].map(Vec3::as_dvec3);
         Self { corner, u, v, radiance }
     }
 
     /// The corners of its two triangles, counter-clockwise as seen from the side that emits.
     pub fn triangles(&self) -> [[Vec3; 3]; 2] {
         let (o, u, v) = (self.corner, self.u, self.v);
-        let [a, b, c, d] = [o, o + u, o + u + v, o + v].map(|corner| corner.as_vec3());
+        let [a, b, c, d] = [o, o + u, o + u + v, o + v].map(DVec3::as_vec3);
         [[a, b, c], [a, c, d]]
     }
 

@@ -53,7 +53,7 @@ fn retain<T>(elements: &mut Vec<T>, kept: &[bool]) {
 
 /// Whether a triangle has an area, and therefore a normal. What has none is never rendered.
 pub(crate) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
-    let exact = [a, b, c].map(|corner| corner.as_dvec3());
+    let exact = [a, b, c].map(Vec3::as_dvec3);
     let area = (exact[1] - exact[0]).cross(exact[2] - exact[0]).length();
     area > 0.0 && raystream_shaders::math::triangle_normal(b - a, c - a).is_finite()
 }

@@ -96,7 +96,6 @@ impl Weighing {
 
 /// Kernel, in phases: the weight of each pixel and the sum of each block's. `totals` are
 /// [`BlockErrors`] with those of all after the last.
-#[allow(clippy::too_many_arguments)] // one per binding
 pub fn weigh_errors(
     phase: u32,
     lane: Lane,
@@ -149,7 +148,6 @@ impl Scale {
 
 /// Kernel, in phases: the first slot of each pixel's run, and after the last the number of slots.
 /// `offsets` are the sums of weights before each block, with that of all after the last.
-#[allow(clippy::too_many_arguments)] // one per binding
 pub fn run_starts(
     phase: u32,
     lane: Lane,

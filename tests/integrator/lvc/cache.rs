@@ -75,7 +75,7 @@ fn the_cache_is_a_sequential_copy_on_every_device() {
             paths.counts.len()
         );
         with_gpu(|gpu| {
-            assert!(paths.gathered(gpu) == expected, "{} paths on the GPU", paths.counts.len())
+            assert!(paths.gathered(gpu) == expected, "{} paths on the GPU", paths.counts.len());
         });
     }
 }

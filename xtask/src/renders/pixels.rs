@@ -20,7 +20,7 @@ pub fn sha256(path: &Path) -> Result<String> {
         .with_context(|| format!("cannot read {}", path.display()))?;
     let mut channels = Vec::new();
     for layer in &image.layer_data {
-        let name = layer.attributes.layer_name.as_ref().map(|name| name.to_string());
+        let name = layer.attributes.layer_name.as_ref().map(ToString::to_string);
         for channel in &layer.channel_data.list {
             channels.push((name.clone().unwrap_or_default(), layer.size, channel));
         }

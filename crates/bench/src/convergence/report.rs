@@ -17,7 +17,6 @@ use raystream_figures::plot::{self, Curve};
 
 /// Writes `curves.csv`, `rounds.csv`, `speedups.csv`, `equal_time.csv`, `smallest.csv`, the plots
 /// and the pictures of a scene to `folder`, and returns what to tell of it.
-#[allow(clippy::too_many_arguments)] // all that a measurement consists of
 pub fn write_scene<E: Executor>(
     executor: &E,
     scene: &PreparedScene,

@@ -1,5 +1,7 @@
 //! The program as a user runs it, on the CPU with tiny pictures.
 
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "what fails is a test")]
+
 mod adaptive;
 mod commands;
 mod convergence;

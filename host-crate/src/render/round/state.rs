@@ -54,7 +54,7 @@ impl<E: Executor> DeviceState<E> {
 
 /// The sample stream and its contributions: of `wanted` slots or else as large as useful, and as
 /// the device has room for.
-#[allow(clippy::type_complexity)] // a pair, taken apart at once
+#[expect(clippy::type_complexity, reason = "a pair, taken apart at once")]
 pub fn allocate_stream<E: Executor>(
     executor: &E,
     wanted: Option<u32>,

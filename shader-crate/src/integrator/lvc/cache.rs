@@ -43,7 +43,6 @@ device_struct! {
 
 /// Kernel, in phases: copies the vertices of all light paths from their `scratch` memory to the
 /// `cache`. `offsets` are the numbers of vertices before each block of light paths.
-#[allow(clippy::too_many_arguments)] // one per binding
 pub fn gather_vertices(
     phase: u32,
     lane: Lane,

@@ -1,5 +1,7 @@
 //! The examples run, and write pictures.
 
+#![allow(clippy::expect_used, reason = "what fails is a test")]
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
