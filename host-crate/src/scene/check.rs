@@ -19,7 +19,7 @@ pub struct InvalidScene {
     pub what: String,
 }
 
-/// How far the length of a unit normal may be from 1: f32s that were rounded a few times are nearer.
+/// How far the length of a unit normal may be from 1: one that was rounded a few times is nearer.
 const UNIT_TOLERANCE: f32 = 1e-3;
 
 impl Scene {

@@ -26,7 +26,8 @@ pub struct PreparedScene {
     pub surfaces: Vec<UVec4>,
     /// The textures.
     pub texels: Vec<u32>,
-    /// What lies where, the lights' total and the background. What is up to a render's settings is zero.
+    /// What lies where, the lights' total and the background. What is up to a render's settings
+    /// is zero.
     pub params: SceneParams,
     /// For each triangle in the order of the leaves, its number in the scene: those of the meshes
     /// in order, then two for each quad light, those without area left out. Triangles that were

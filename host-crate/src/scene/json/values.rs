@@ -34,7 +34,10 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
 /// Types of values that are read as one type, the second, and kept as another, the first, by a
 /// function that checks them.
 macro_rules! checked {
-    ($($(#[$doc:meta])* $name:ident($kept:ty) = $check:expr, of $read:ty as $read_text:literal;)*) => {$(
+    ($(
+        $(#[$doc:meta])*
+        $name:ident($kept:ty) = $check:expr, of $read:ty as $read_text:literal;
+    )*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Deserialize)]
         #[serde(try_from = $read_text)]
