@@ -3,13 +3,13 @@
 //!
 //! - A [`Scene`](scene::Scene) is what there is to see: geometry, materials, a camera. A file says
 //!   so, or code does.
-//! - A [`PreparedScene`](mod@render::PreparedScene) is the same in the layout that kernels read,
+//! - A [`PreparedScene`](struct@render::PreparedScene) is the same in the layout that kernels read,
 //!   with the tree that rays are traced through.
 //! - A [`Device`](exec::Device) runs kernels: a GPU or the CPU. Whatever does so is an
 //!   [`Executor`](exec::Executor).
-//! - [`Settings`](mod@render::Settings) say what a render computes: picture size, length of paths,
+//! - [`Settings`](struct@render::Settings) say what a render computes: picture size, length of paths,
 //!   integrator, and how samples are spread over the picture.
-//! - A [`Renderer`](mod@render::Renderer) is a render under way: it owns its device and what the
+//! - A [`Renderer`](struct@render::Renderer) is a render under way: it owns its device and what the
 //!   render has there.
 //! - A [`Film`](film::Film) is what comes of it, for each pixel: radiance, its variance, features
 //!   of the first surface, and estimates of the error.

@@ -12,7 +12,7 @@ const REQUIRE_GPU: &str = "RAYSTREAM_REQUIRE_GPU";
 static GPU: Mutex<()> = Mutex::new(());
 
 /// Runs `test` on any GPU, a software one too. Without one it says so loudly, or fails if
-/// [`REQUIRE_GPU`] is set.
+/// `RAYSTREAM_REQUIRE_GPU` is set.
 pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
     let _turn = GPU.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     match Device::open("gpu") {

@@ -106,7 +106,7 @@ impl<E: Executor> Renderer<E> {
     }
 
     /// Renders the next round, of at most `paths_left` paths (but always one sample of each pixel
-    /// first), as [`plan`] decides.
+    /// first), as [`plan()`] decides.
     pub fn step(&mut self, paths_left: u64) -> Result<Timings, ExecError> {
         self.next_round(paths_left)?.finish()
     }
