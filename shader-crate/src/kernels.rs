@@ -40,7 +40,10 @@ macro_rules! for_each_kernel {
     ($with:ident) => {
         $with! {
             /// Fills the runs of a window of pixels.
-            fill_runs[256] phased($crate::film::stream::PHASES, $crate::film::stream::Memory) = $crate::film::stream::fill_runs {
+            fill_runs[256] phased(
+                $crate::film::stream::PHASES,
+                $crate::film::stream::Memory
+            ) = $crate::film::stream::fill_runs {
                 uniform parameters: $crate::film::stream::RunWindow,
                 read starts: u32,
                 read film: $crate::film::FilmPixel,
@@ -110,7 +113,10 @@ macro_rules! for_each_kernel {
                 scatter scratch: $crate::glam::UVec4,
             }
             /// Puts the vertices of all light paths close together.
-            gather_vertices[256] phased($crate::parallel::prefix::PHASES, $crate::parallel::prefix::Memory) = $crate::integrator::lvc::cache::gather_vertices {
+            gather_vertices[256] phased(
+                $crate::parallel::prefix::PHASES,
+                $crate::parallel::prefix::Memory
+            ) = $crate::integrator::lvc::cache::gather_vertices {
                 uniform parameters: $crate::integrator::lvc::cache::GatherParams,
                 read counts: u32,
                 read offsets: u32,
@@ -145,36 +151,54 @@ macro_rules! for_each_kernel {
                 write rays: u32,
             }
             /// Adds up each block of numbers.
-            sum_blocks[256] phased($crate::parallel::prefix::PHASES, $crate::parallel::prefix::Memory) = $crate::parallel::prefix::sum_blocks {
+            sum_blocks[256] phased(
+                $crate::parallel::prefix::PHASES,
+                $crate::parallel::prefix::Memory
+            ) = $crate::parallel::prefix::sum_blocks {
                 uniform parameters: $crate::parallel::prefix::BlockParams,
                 read values: u32,
                 scatter sums: u32,
             }
             /// Turns the sums of blocks into those of all blocks before each.
-            scan_blocks[256] phased($crate::parallel::prefix::PHASES, $crate::parallel::prefix::Memory) = $crate::parallel::prefix::scan_blocks {
+            scan_blocks[256] phased(
+                $crate::parallel::prefix::PHASES,
+                $crate::parallel::prefix::Memory
+            ) = $crate::parallel::prefix::scan_blocks {
                 uniform parameters: $crate::parallel::prefix::BlockParams,
                 scatter sums: u32,
             }
             /// Writes the places of what is to be kept, close together.
-            scatter_kept[256] phased($crate::parallel::prefix::PHASES, $crate::parallel::prefix::Memory) = $crate::parallel::compaction::scatter_kept {
+            scatter_kept[256] phased(
+                $crate::parallel::prefix::PHASES,
+                $crate::parallel::prefix::Memory
+            ) = $crate::parallel::compaction::scatter_kept {
                 uniform parameters: $crate::parallel::prefix::BlockParams,
                 read keep: u32,
                 read offsets: u32,
                 scatter kept: u32,
             }
             /// Finds the largest exponent and the sum of each block of errors.
-            block_errors[256] phased($crate::allocator::error_scale::PHASES, $crate::allocator::error_scale::Memory) = $crate::allocator::error_scale::block_errors {
+            block_errors[256] phased(
+                $crate::allocator::error_scale::PHASES,
+                $crate::allocator::error_scale::Memory
+            ) = $crate::allocator::error_scale::block_errors {
                 uniform parameters: $crate::parallel::prefix::BlockParams,
                 read errors: f32,
                 scatter blocks: $crate::allocator::error_scale::BlockErrors,
             }
             /// Puts the errors of all blocks together.
-            add_block_errors[256] phased($crate::allocator::error_scale::PHASES, $crate::allocator::error_scale::Memory) = $crate::allocator::error_scale::add_block_errors {
+            add_block_errors[256] phased(
+                $crate::allocator::error_scale::PHASES,
+                $crate::allocator::error_scale::Memory
+            ) = $crate::allocator::error_scale::add_block_errors {
                 uniform parameters: $crate::parallel::prefix::BlockParams,
                 scatter blocks: $crate::allocator::error_scale::BlockErrors,
             }
             /// Makes weights of errors.
-            weigh_errors[256] phased($crate::parallel::prefix::PHASES, $crate::parallel::prefix::Memory) = $crate::allocator::runs::weigh_errors {
+            weigh_errors[256] phased(
+                $crate::parallel::prefix::PHASES,
+                $crate::parallel::prefix::Memory
+            ) = $crate::allocator::runs::weigh_errors {
                 uniform parameters: $crate::allocator::runs::RunParams,
                 read errors: f32,
                 read totals: $crate::allocator::error_scale::BlockErrors,
@@ -182,7 +206,10 @@ macro_rules! for_each_kernel {
                 scatter sums: u32,
             }
             /// Finds where the run of each pixel begins.
-            run_starts[256] phased($crate::parallel::prefix::PHASES, $crate::parallel::prefix::Memory) = $crate::allocator::runs::run_starts {
+            run_starts[256] phased(
+                $crate::parallel::prefix::PHASES,
+                $crate::parallel::prefix::Memory
+            ) = $crate::allocator::runs::run_starts {
                 uniform parameters: $crate::allocator::runs::RunParams,
                 read weights: u32,
                 read offsets: u32,

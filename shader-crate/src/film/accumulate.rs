@@ -13,7 +13,7 @@ use crate::memory::device_struct;
 use crate::memory::rows::vector;
 
 /// `uvec4`s of one contribution.
-const ROWS_PER_CONTRIBUTION: u32 = 2;
+pub(super) const ROWS_PER_CONTRIBUTION: u32 = 2;
 
 /// The contributions of a stream, as whoever adds them up reads them: sixteen bytes at a time, in a
 /// quarter of the loads.

@@ -70,6 +70,7 @@ pub const PIXEL_WORDS: u32 = 12;
 
 #[cfg(test)]
 mod tests {
+    use super::accumulate::ROWS_PER_CONTRIBUTION;
     use super::*;
     use core::mem::{offset_of, size_of};
 
@@ -81,7 +82,10 @@ mod tests {
             offset_of!(Contribution, rays),
             offset_of!(Contribution, squared),
         ];
-        assert_eq!(contribution, [8, 0, 3, 4].map(|word| 4 * word as usize));
+        assert_eq!(
+            contribution,
+            [4 * ROWS_PER_CONTRIBUTION, 0, 3, 4].map(|word| 4 * word as usize)
+        );
         let pixel = [
             size_of::<FilmPixel>(),
             offset_of!(FilmPixel, sum),

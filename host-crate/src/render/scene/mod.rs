@@ -96,3 +96,30 @@ fn append<T: Pod>(rows: &mut Vec<UVec4>, elements: &[T]) -> u32 {
     rows.extend(bytemuck::pod_collect_to_vec::<T, UVec4>(elements));
     first
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raystream_shaders::scene::bsdf::Material;
+    use raystream_shaders::scene::light::Light;
+    use raystream_shaders::scene::triangle::Attributes;
+
+    /// The rows of an element whose every word differs, and the element.
+    fn numbered<T: Pod, const ROWS: usize>() -> ([UVec4; ROWS], T) {
+        let word = |row: usize, column: u32| 0x3f80_0000 + 4 * row as u32 + column;
+        let rows = std::array::from_fn(|row| {
+            UVec4::new(word(row, 0), word(row, 1), word(row, 2), word(row, 3))
+        });
+        (rows, bytemuck::pod_read_unaligned(bytemuck::cast_slice(&rows)))
+    }
+
+    #[test]
+    fn kernels_unpack_the_memory_that_the_host_writes() {
+        let (rows, material) = numbered::<Material, { Material::ROWS as usize }>();
+        assert_eq!(Material::from_rows(rows), material);
+        let (rows, light) = numbered::<Light, { Light::ROWS as usize }>();
+        assert_eq!(Light::from_rows(rows), light);
+        let (rows, attributes) = numbered::<Attributes, { Attributes::ROWS as usize }>();
+        assert_eq!(Attributes::from_rows(rows), attributes);
+    }
+}
