@@ -2,4 +2,5 @@
 
 mod gpu;
 mod shaders;
+mod uniformity;
 mod wgsl;

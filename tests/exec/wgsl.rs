@@ -6,6 +6,8 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{AddressSpace, Module};
 use raystream::exec::kernels::table::ALL;
 
+use super::uniformity::divergent_barriers;
+
 const SPIRV: &[u8] = include_bytes!("../../host-crate/shaders/kernels.spv");
 
 /// Storage buffers of a kernel that WebGPU promises on every device.
@@ -24,8 +26,8 @@ fn alone(all: &Module, index: usize) -> Module {
     module
 }
 
-/// What naga says of a module, with nothing but what every WebGPU device has. It does not tell
-/// whether barriers stand in uniform control flow.
+/// What naga says of a module, with nothing but what every WebGPU device has. Barriers it does
+/// not look at.
 fn validated(module: &Module, what: &str) -> ModuleInfo {
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(module)
@@ -56,6 +58,7 @@ fn every_kernel_becomes_wgsl_that_is_read_back() {
         let read = naga::front::wgsl::parse_str(&text)
             .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&text)));
         validated(&read, name);
+        assert_eq!(divergent_barriers(&read), 0, "{name}: barriers that not all threads reach");
     }
 }
 
@@ -82,4 +85,28 @@ fn what_a_browser_refuses_is_found() {
         Some("340282350000000000000000000000000000000f")
     );
     assert_eq!(refused_literal("let x = 100000000000000000000000000000000000000f; y = 3u;"), None);
+    let barriers = |body: &str| {
+        let text = format!(
+            "@group(0) @binding(0) var<storage> data: array<u32>;
+            var<private> copied: u32;
+            @compute @workgroup_size(64) fn main(
+                @builtin(workgroup_id) group: vec3u,
+                @builtin(local_invocation_index) lane: u32,
+            ) {{ {body} }}"
+        );
+        divergent_barriers(&naga::front::wgsl::parse_str(&text).expect("WGSL"))
+    };
+    assert_eq!(barriers("workgroupBarrier();"), 0);
+    assert_eq!(barriers("if group.x < 3u { workgroupBarrier(); }"), 0);
+    assert_eq!(barriers("if data[group.x] < 3u { workgroupBarrier(); }"), 0);
+    assert_eq!(barriers("if data[lane] < 3u { workgroupBarrier(); }"), 1);
+    assert_eq!(barriers("if lane < 3u { return; } workgroupBarrier();"), 1);
+    assert_eq!(barriers("if lane < 3u {} workgroupBarrier();"), 0);
+    assert_eq!(barriers("for (var i = 0u; i < 4u; i++) { workgroupBarrier(); }"), 0);
+    assert_eq!(barriers("for (var i = 0u; i < lane; i++) { workgroupBarrier(); }"), 1);
+    assert_eq!(
+        barriers("loop { workgroupBarrier(); if lane < 3u { break; } } workgroupBarrier();"),
+        1
+    );
+    assert_eq!(barriers("copied = group.x; if copied < 3u { workgroupBarrier(); }"), 1);
 }

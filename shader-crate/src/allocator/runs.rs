@@ -60,14 +60,14 @@ impl Weighing {
         let live = if all_live { params.pixels } else { all.live };
         // The largest error is at least 2^30 and so is the sum, unless all are 0.
         let (shift, factor, uniform) = if sum.bits() < 31 {
-            (0, 0, ERROR_WEIGHTS / live)
+            (0, 0, ERROR_WEIGHTS.checked_div(live).unwrap_or(0))
         } else {
             let shift = sum.bits() - 31;
             let divisor = sum.shifted_right(shift).low;
             (
                 shift,
                 multiply_divide(1 << 31, 2 * ERROR_WEIGHTS, divisor),
-                params.uniform_weights / live,
+                params.uniform_weights.checked_div(live).unwrap_or(0),
             )
         };
         // So that no live pixel starves, however many there are.
