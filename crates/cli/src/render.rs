@@ -46,7 +46,13 @@ pub struct RenderArguments {
     #[command(flatten)]
     device: DeviceArguments,
     /// Brightness of a PNG in stops: +1 doubles.
-    #[arg(long, default_value_t = 0.0, value_name = "STOPS", allow_negative_numbers = true, value_parser = parse_exposure)]
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "STOPS",
+        allow_negative_numbers = true,
+        value_parser = parse_exposure
+    )]
     exposure: f32,
     /// How a PNG shows what is brighter than its white.
     #[arg(long, value_parser = choice::<ToneMap>(), default_value_t)]
@@ -259,7 +265,8 @@ fn check_layers(pictures: &[PathBuf]) -> Result<(), CliError> {
         image::check_writable(path)?;
         if layers[..index].iter().chain(pictures).any(|other| is_same_file(other, path)) {
             return Err(format!(
-                "{}: would be written twice, at least once as a layer (--png-layers); give -o other names",
+                "{}: would be written twice, at least once as a layer (--png-layers); give -o \
+                 other names",
                 path.display()
             )
             .into());

@@ -1,9 +1,9 @@
 //! Pictures on disk: EXR with named layers, PNG, and their comparison.
 //!
 //! A render is written with [`write_film`], any other picture with [`write_color`]: the extension
-//! of the path says how. [`read_color`] reads what any tool wrote; [`compare()`] and [`difference()`] set
-//! two pictures side by side. Call [`check_writable`] before a long render, so that a mistyped path
-//! costs no hours.
+//! of the path says how. [`read_color`] reads what any tool wrote; [`compare()`] and
+//! [`difference()`] set two pictures side by side. Call [`check_writable`] before a long render, so
+//! that a mistyped path costs no hours.
 //!
 //! Files appear whole or not at all: they are written beside the target and renamed.
 

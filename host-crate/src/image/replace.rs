@@ -223,7 +223,8 @@ mod tests {
             .output();
         if !mount.is_ok_and(|o| o.status.success()) {
             eprintln!(
-                "SKIPPED: a_disk_that_fills_up needs the right to mount a tmpfs; run the tests as root"
+                "SKIPPED: a_disk_that_fills_up needs the right to mount a tmpfs; run the tests as \
+                 root"
             );
             return;
         }

@@ -4,8 +4,9 @@ use crate::program::{Row, Run, csv, names, run};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-const TINY: &str = "bench convergence cornell_ball@16x12 --device cpu --spp 8 --levels 4 --reference-spp 32 --repetitions 1 \
-                    --allocators runs --cache cache --output out";
+const TINY: &str = "bench convergence cornell_ball@16x12 --device cpu --spp 8 --levels 4 \
+                    --reference-spp 32 --repetitions 1 --allocators runs --cache cache \
+                    --output out";
 
 fn tiny(folder: &Path) -> Run {
     run(folder, TINY).succeeded()
@@ -139,8 +140,10 @@ fn the_reference_is_kept_and_checked() {
 #[test]
 fn integrators_are_set_against_each_other() {
     let folder = tempfile::tempdir().unwrap();
-    let command = "bench convergence cornell_ball@16x12 --device cpu --integrators streaming,lvc --reference-integrator lvc --spp 16 --levels 4,8 \
-                   --initial-spp 2 --reference-spp 32 --repetitions 2 --allocators runs,atomic --cache cache --output out";
+    let command = "bench convergence cornell_ball@16x12 --device cpu --integrators streaming,lvc \
+                   --reference-integrator lvc --spp 16 --levels 4,8 --initial-spp 2 \
+                   --reference-spp 32 --repetitions 2 --allocators runs,atomic --cache cache \
+                   --output out";
     let stdout = run(folder.path(), command)
         .succeeded()
         .says(&[
@@ -233,11 +236,15 @@ fn one_integrator_is_in_no_name() {
 #[test]
 fn scenes_that_ship_are_taken_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    let small = "--device cpu --spp 4 --levels 2 --reference-spp 16 --repetitions 1 --allocators uniform --cache cache --output out";
+    let small = "--device cpu --spp 4 --levels 2 --reference-spp 16 --repetitions 1 \
+                 --allocators uniform --cache cache --output out";
     let scenes = "opening@16x12 caustics@12x12";
     run(
         folder.path(),
-        &format!("bench convergence {scenes} --integrators megakernel,lvc --reference-integrator lvc {small}"),
+        &format!(
+            "bench convergence {scenes} --integrators megakernel,lvc \
+             --reference-integrator lvc {small}"
+        ),
     )
     .succeeded();
     assert_eq!(names(&folder.path().join("out")), ["caustics@12x12", "opening@16x12", "report.md"]);
