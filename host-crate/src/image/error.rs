@@ -9,7 +9,17 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum ImageError {
     /// The extension names no known format.
-    #[error("{}: not a picture format by its extension; use .exr or .png", path.display())]
+    #[cfg_attr(
+        feature = "exr",
+        error("{}: not a picture format by its extension; use .exr or .png", path.display())
+    )]
+    #[cfg_attr(
+        not(feature = "exr"),
+        error(
+            "{}: not a picture format by its extension; use .png (.exr takes the feature `exr`)",
+            path.display()
+        )
+    )]
     UnknownExtension {
         /// The picture.
         path: PathBuf,
