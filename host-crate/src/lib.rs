@@ -7,8 +7,8 @@
 //!   with the tree that rays are traced through.
 //! - A [`Device`](exec::Device) runs kernels: a GPU or the CPU. Whatever does so is an
 //!   [`Executor`](exec::Executor).
-//! - [`Settings`](struct@render::Settings) say what a render computes: picture size, length of paths,
-//!   integrator, and how samples are spread over the picture.
+//! - [`Settings`](struct@render::Settings) say what a render computes: picture size, length of
+//!   paths, integrator, and how samples are spread over the picture.
 //! - A [`Renderer`](struct@render::Renderer) is a render under way: it owns its device and what the
 //!   render has there.
 //! - A [`Film`](film::Film) is what comes of it, for each pixel: radiance, its variance, features

@@ -344,100 +344,105 @@ fn expected_samples_are_proportional_to_errors() {
     }
 }
 
-#[test]
-fn strange_errors_behave() {
-    let pixels = 1200_usize;
-    let on_both =
-        |round: &Round, kind: AllocatorKind, what: &str, check: &dyn Fn(&Made, &[u32])| {
-            let cpu = round.make(&CpuExecutor, kind, true);
-            round.assert_sound(&cpu, what);
-            check(&cpu, &round.counts(&cpu));
-            with_gpu(|gpu| {
-                let gpu = round.make(gpu, kind, true);
-                round.assert_sound(&gpu, what);
-                assert_eq!(round.counts(&gpu), round.counts(&cpu), "{what}");
-            });
-        };
+/// Pixels of the rounds of strange errors.
+const STRANGE: usize = 1200;
+
+/// Makes a round of `errors` on both processors with each adaptive allocator, and hands the CPU's
+/// to `check`, with the samples of each pixel; the GPU's must be the same.
+fn with_adaptive(
+    errors: &[f32],
+    slots: u32,
+    what: &str,
+    check: impl Fn(AllocatorKind, &Made, &[u32]),
+) {
+    let round = Round::new(errors.to_vec(), slots);
     for kind in ADAPTIVE {
-        // Nothing known: all alike.
-        let round = Round::new(vec![0.0; pixels], 3000);
-        on_both(&round, kind, &format!("{kind:?}, no errors"), &|made, counts| {
-            assert_eq!(made.filled, 3000, "{kind:?}");
-            assert!(counts.iter().all(|&c| c == 2 || c == 3), "{kind:?}: {counts:?}");
+        let what = format!("{kind:?}, {what}");
+        let cpu = round.make(&CpuExecutor, kind, true);
+        round.assert_sound(&cpu, &what);
+        check(kind, &cpu, &round.counts(&cpu));
+        with_gpu(|gpu| {
+            let gpu = round.make(gpu, kind, true);
+            round.assert_sound(&gpu, &what);
+            assert_eq!(round.counts(&gpu), round.counts(&cpu), "{what}");
         });
-        // All converged: as if nothing were known.
-        let round = Round::new(vec![-1.0; pixels], 1200);
-        on_both(&round, kind, &format!("{kind:?}, all converged"), &|made, counts| {
-            assert_eq!(made.filled, 1200, "{kind:?}");
-            assert!(counts.iter().all(|&c| c == 1), "{kind:?}: {counts:?}");
-        });
-        // One pixel alone.
-        let mut errors = vec![0.0; pixels];
-        errors[321] = 1e-20;
-        let round = Round::new(errors, 3000);
-        on_both(&round, kind, &format!("{kind:?}, one error"), &|made, counts| match kind {
-            // A pixel is in every stream at most once, all others are in the last one alone; the
-            // rest stays empty.
-            Paper => {
-                assert!((2..=34).contains(&counts[321]), "{}", counts[321]);
-                assert_eq!(made.filled, 1199 + counts[321]);
-            }
-            Atomic => assert_eq!(counts[321], 3000),
-            // Its error weighs as much as 16 average ones would, the uniform share as much as a
-            // ninth of all errors.
-            _ => {
-                assert_eq!(made.filled, 3000);
-                let share = 16.0 / (16.0 + 1200.0 / 9.0);
-                let expected = 3000.0 * (share + (1.0 - share) / 1200.0);
-                assert!(
-                    (f64::from(counts[321]) - expected).abs() <= 1.5,
-                    "{} samples, not {expected}",
-                    counts[321]
-                );
-            }
-        });
-        // What is not finite counts as 0, what has converged gets nothing, the others do not
-        // notice.
-        let mut errors = wild_errors(pixels as u32);
-        for (pixel, error) in
-            [(5, f32::NAN), (600, f32::INFINITY), (700, -f32::NAN), (1199, f32::NEG_INFINITY)]
-        {
-            errors[pixel] = error;
-        }
-        errors[100..200].fill(-1.0);
-        // What is below zero has converged, also where it is not finite.
-        let tamed = |&error: &f32| match error {
-            f32::NEG_INFINITY => -1.0,
-            _ if error.is_sign_negative() && error.is_nan() => -1.0,
-            _ if error.is_finite() => error,
-            _ => 0.0,
-        };
-        let tame: Vec<f32> = errors.iter().map(tamed).collect();
-        let tame = Round::new(tame, 4000);
-        let counts_of_tame = tame.counts(&tame.make(&CpuExecutor, kind, true));
-        let round = Round::new(errors, 4000);
-        on_both(&round, kind, &format!("{kind:?}, strange errors"), &|made, counts| {
-            assert_eq!(made.filled, 4000, "{kind:?}");
-            assert_eq!(counts[100..200].iter().sum::<u32>(), 0, "{kind:?}: converged pixels");
-            assert!(counts[5] <= 1 && counts[600] <= 1, "{kind:?}: {} {}", counts[5], counts[600]);
-            assert_eq!(counts, counts_of_tame, "{kind:?}: what is not finite counts as 0");
-        });
-        // The largest and smallest numbers there are.
-        let extreme =
-            (0..pixels).map(|p| [f32::MAX, f32::MIN_POSITIVE, 1e-45, 1.0][p % 4]).collect();
-        on_both(
-            &Round::new(extreme, 2400),
-            kind,
-            &format!("{kind:?}, extreme errors"),
-            &|made, counts| {
-                assert_eq!(made.filled, 2400, "{kind:?}");
-                assert!(
-                    counts.iter().step_by(4).sum::<u32>() >= 2100,
-                    "{kind:?}: the largest errors get nearly all"
-                );
-            },
-        );
     }
+}
+
+#[test]
+fn errors_that_tell_nothing_make_all_pixels_alike() {
+    with_adaptive(&[0.0; STRANGE], 3000, "nothing known", |kind, made, counts| {
+        assert_eq!(made.filled, 3000, "{kind:?}");
+        assert!(counts.iter().all(|&c| c == 2 || c == 3), "{kind:?}: {counts:?}");
+    });
+    with_adaptive(&[-1.0; STRANGE], 1200, "all converged", |kind, made, counts| {
+        assert_eq!(made.filled, 1200, "{kind:?}");
+        assert!(counts.iter().all(|&c| c == 1), "{kind:?}: {counts:?}");
+    });
+}
+
+#[test]
+fn one_error_alone_gets_what_its_allocator_gives_a_pixel_at_most() {
+    let mut errors = [0.0; STRANGE];
+    errors[321] = 1e-20;
+    with_adaptive(&errors, 3000, "one error", |kind, made, counts| match kind {
+        // A pixel is in every stream at most once, all others are in the last one alone; the rest
+        // stays empty.
+        Paper => {
+            assert!((2..=34).contains(&counts[321]), "{}", counts[321]);
+            assert_eq!(made.filled, 1199 + counts[321]);
+        }
+        Atomic => assert_eq!(counts[321], 3000),
+        // Its error weighs as much as 16 average ones would, the uniform share as much as a ninth
+        // of all errors.
+        _ => {
+            assert_eq!(made.filled, 3000);
+            let share = 16.0 / (16.0 + 1200.0 / 9.0);
+            let expected = 3000.0 * (share + (1.0 - share) / 1200.0);
+            assert!(
+                (f64::from(counts[321]) - expected).abs() <= 1.5,
+                "{} samples, not {expected}",
+                counts[321]
+            );
+        }
+    });
+}
+
+#[test]
+fn errors_that_are_not_finite_count_as_0_and_converged_pixels_get_nothing() {
+    let mut errors = wild_errors(STRANGE as u32);
+    for (pixel, error) in
+        [(5, f32::NAN), (600, f32::INFINITY), (700, -f32::NAN), (1199, f32::NEG_INFINITY)]
+    {
+        errors[pixel] = error;
+    }
+    errors[100..200].fill(-1.0);
+    // What is below zero has converged, also where it is not finite.
+    let tamed = |&error: &f32| match error {
+        f32::NEG_INFINITY => -1.0,
+        _ if error.is_sign_negative() && error.is_nan() => -1.0,
+        _ if error.is_finite() => error,
+        _ => 0.0,
+    };
+    let tame = Round::new(errors.iter().map(tamed).collect(), 4000);
+    with_adaptive(&errors, 4000, "strange errors", |kind, made, counts| {
+        assert_eq!(made.filled, 4000, "{kind:?}");
+        assert_eq!(counts[100..200].iter().sum::<u32>(), 0, "{kind:?}: converged pixels");
+        assert!(counts[5] <= 1 && counts[600] <= 1, "{kind:?}: {} {}", counts[5], counts[600]);
+        let counts_of_tame = tame.counts(&tame.make(&CpuExecutor, kind, true));
+        assert_eq!(counts, counts_of_tame, "{kind:?}: the other pixels do not notice");
+    });
+}
+
+#[test]
+fn the_largest_errors_there_are_get_nearly_all() {
+    let extreme = std::array::from_fn::<_, STRANGE, _>(|pixel| {
+        [f32::MAX, f32::MIN_POSITIVE, 1e-45, 1.0][pixel % 4]
+    });
+    with_adaptive(&extreme, 2400, "extreme errors", |kind, made, counts| {
+        assert_eq!(made.filled, 2400, "{kind:?}");
+        assert!(counts.iter().step_by(4).sum::<u32>() >= 2100, "{kind:?}: {counts:?}");
+    });
 }
 
 #[test]

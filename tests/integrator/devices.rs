@@ -2,8 +2,8 @@
 //!
 //! Each integrator is a kernel of its own (or several) to a driver's compiler, which may fuse a
 //! product and a sum in one of them and not in another. So a ray may, about once in a thousand
-//! times, hit something else (`scene/traversal.rs` has the same bound for GPU and CPU), and then its
-//! path is another one of the same distribution.
+//! times, hit something else (`scene/traversal.rs` has the same bound for GPU and CPU), and then
+//! its path is another one of the same distribution.
 
 use super::tracing::{OTHERS, cases, integrator};
 use raystream::exec::Executor;

@@ -114,7 +114,10 @@ fn material_rules() {
 
 #[test]
 fn overrides_match_without_any_mtl() {
-    let rule = json!({"red wall": {"type": "mirror", "reflectance": [1, 0.5, 0]}, "plain": {"type": "null"}});
+    let rule = json!({
+        "red wall": {"type": "mirror", "reflectance": [1, 0.5, 0]},
+        "plain": {"type": "null"}
+    });
     let folder = SceneFolder::new().without("a.mtl").json(|scene| scene["materials"] = rule);
     let scene = loaded(&folder);
     assert_eq!(scene.triangle_count(), 1 + 2);
@@ -166,7 +169,8 @@ fn smooth_normals_need_one_at_every_corner_of_the_material() {
 
 #[test]
 fn triangles_that_are_dropped_are_counted() {
-    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv -0 1 0\nusemtl plain\nf 1 2 3\nf 1 2 4\nf 1 1 3\nf 2 5 1\n";
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv -0 1 0\nusemtl plain\n\
+               f 1 2 3\nf 1 2 4\nf 1 1 3\nf 2 5 1\n";
     let folder = SceneFolder::new().with("a.obj", obj);
     let scene = loaded(&folder);
     assert_eq!(scene.triangle_count(), 2 + 2);

@@ -67,7 +67,8 @@ fn assert_same_totals(width: usize, height: usize, a: Total<'_>, b: Total<'_>, w
             let rounding = 1e-5 * mean_a[channel].abs().max(mean_b[channel].abs());
             assert!(
                 difference <= limit * error + rounding,
-                "{what}: {name}, channel {channel}: {} and {} differ by {:.1} standard errors, {limit:.1} are allowed",
+                "{what}: {name}, channel {channel}: {} and {} differ by {:.1} standard errors, \
+                 {limit:.1} are allowed",
                 mean_a[channel] / pixels.len() as f64,
                 mean_b[channel] / pixels.len() as f64,
                 difference / error,
@@ -109,7 +110,8 @@ pub fn assert_chi_square(counts: &[u32], expected: &[f64], what: &str) {
     );
 }
 
-/// The quantile of the chi-square distribution: Wilson and Hilferty's approximation, within 1 % beyond 5 degrees of freedom.
+/// The quantile of the chi-square distribution: Wilson and Hilferty's approximation, within
+/// 1 % beyond 5 degrees of freedom.
 pub fn chi_square_quantile(probability: f64, degrees: f64) -> f64 {
     let z = normal_quantile(probability);
     let h = 2.0 / (9.0 * degrees);

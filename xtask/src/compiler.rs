@@ -54,12 +54,15 @@ fn configure(shader_crate: &Path) -> Result<SpirvBuilder> {
         }
         (None, None) => {
             eprintln!(
-                "Installing the SPIR-V compiler, unless it is there; the first time takes some minutes."
+                "Installing the SPIR-V compiler, unless it is there; the first time takes some \
+                 minutes."
             );
-            let backend = Install::from_shader_crate(shader_crate.to_path_buf()).run().with_context(|| {
+            let install = Install::from_shader_crate(shader_crate.to_path_buf());
+            let backend = install.run().with_context(|| {
                 format!(
-                    "cannot install the SPIR-V compiler, which needs rustup and the internet. Where there is none, \
-                     set {TOOLCHAIN} to a rustup toolchain and {BACKEND} to the path of a backend of rust-gpu 0.10.0 built for it"
+                    "cannot install the SPIR-V compiler, which needs rustup and the internet. \
+                     Where there is none, set {TOOLCHAIN} to a rustup toolchain and {BACKEND} to \
+                     the path of a backend of rust-gpu 0.10.0 built for it"
                 )
             })?;
             Ok(backend.to_spirv_builder(shader_crate, TARGET))

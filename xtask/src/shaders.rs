@@ -32,8 +32,8 @@ pub fn check() -> Result<Outcome> {
         .with_context(|| format!("cannot read {MODULE}; run `cargo shaders`"))?;
     if let Some(difference) = first_difference(&compiled, &module) {
         return Ok(Outcome::Bad(format!(
-            "{MODULE} is stale: it has {} bytes, the sources compile to {}, and they differ from offset {difference} on; \
-             run `cargo shaders` and commit the result",
+            "{MODULE} is stale: it has {} bytes, the sources compile to {}, and they differ from \
+             offset {difference} on; run `cargo shaders` and commit the result",
             module.len(),
             compiled.len(),
         )));

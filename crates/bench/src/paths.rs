@@ -48,7 +48,8 @@ pub fn measure<E: Executor>(
     let error = ((squares - difference * difference).max(0.0) / pixels).sqrt();
     if !mean.is_finite() || difference.abs() > 5.0 * error + f64::EPSILON {
         return Err(BenchError::Wrong(format!(
-            "the picture's halves differ by {difference:.3e}, its mean is {mean:.4}, the standard error {error:.1e}"
+            "the picture's halves differ by {difference:.3e}, its mean is {mean:.4}, the standard \
+             error {error:.1e}"
         )));
     }
     let paths = outcome.paths as f64;

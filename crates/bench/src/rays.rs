@@ -3,7 +3,7 @@
 use super::{BenchError, WARM_UP, median, warm_up};
 use bytemuck::Zeroable;
 use rayon::prelude::*;
-use raystream::exec::{Array, Executor, Launch, kernels};
+use raystream::exec::{Array, Executor, Launch, SceneBuffers, kernels};
 use raystream::render::{PreparedScene, Settings};
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::integrator::params::PathParams;
@@ -35,10 +35,11 @@ pub struct Options {
     pub checks: usize,
 }
 
-/// The rays of one kind and what they hit.
+/// The rays of one kind, what they hit, and how long tracing them took.
 struct Traced {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
+    time: Duration,
 }
 
 /// Traces one ray of each kind per pixel of `settings.size`.
@@ -48,67 +49,83 @@ pub fn measure<E: Executor>(
     settings: &Settings,
     options: Options,
 ) -> Result<Vec<RaySpeed>, BenchError> {
-    let buffers = scene.buffers(executor)?;
-    let threads = settings.size.width * settings.size.height;
-    let count = threads as usize;
-    let parameters = PathParams { threads, ..scene.parameters(settings) };
-    let ranks: Vec<Slot> = (0..threads).map(|rank| Slot { rank, sample: 0 }).collect();
+    let tracer = Tracer::new(executor, scene, settings, options)?;
+    let Tracer { parameters, scene: buffers, .. } = &tracer;
+    let ranks: Vec<Slot> = (0..parameters.threads).map(|rank| Slot { rank, sample: 0 }).collect();
     let slots = Array::from_slice(executor, "the sample stream", &ranks)?;
-    let [primary, bounced, shadow]: [Array<E::Buffer, Ray>; 3] = [
-        Array::zeroed(executor, "rays", count)?,
-        Array::zeroed(executor, "rays", count)?,
-        Array::zeroed(executor, "rays", count)?,
-    ];
-    let hits: Array<E::Buffer, Hit> = Array::zeroed(executor, "hits", count)?;
-    let occluded: Array<E::Buffer, u32> = Array::zeroed(executor, "hits", count)?;
+    let [primary, bounced, shadow] = [tracer.rays()?, tracer.rays()?, tracer.rays()?];
 
-    let closest = |rays: &Array<E::Buffer, Ray>| {
-        time(executor, options, || {
-            kernels::closest_hits(&parameters, &buffers, rays.view(), hits.view())
-        })
-    };
-    let traced = |rays: &Array<E::Buffer, Ray>| -> Result<Traced, BenchError> {
-        Ok(Traced { rays: rays.read(executor)?, hits: hits.read(executor)? })
-    };
-
-    executor.run(&[kernels::primary_rays(&parameters, slots.view(), primary.view())])?;
-    let time_of_primary = closest(&primary)?;
-    let traced_primary = traced(&primary)?;
-    let (from, at) = (|| primary.view(), || hits.view());
+    executor.run(&[kernels::primary_rays(parameters, slots.view(), primary.view())])?;
+    let traced_primary = tracer.closest(&primary)?;
+    let (from, at) = (|| primary.view(), || tracer.hits.view());
     executor.run(&[
-        kernels::bounce_rays(&parameters, &buffers, from(), at(), bounced.view()),
-        kernels::shadow_rays(&parameters, &buffers, from(), at(), shadow.view()),
+        kernels::bounce_rays(parameters, buffers, from(), at(), bounced.view()),
+        kernels::shadow_rays(parameters, buffers, from(), at(), shadow.view()),
     ])?;
-    let time_of_bounced = closest(&bounced)?;
-    let traced_bounced = traced(&bounced)?;
-    let time_of_shadow = time(executor, options, || {
-        kernels::any_hits(&parameters, &buffers, shadow.view(), occluded.view())
-    })?;
-    // Where a shadow ray hits does not count, only whether.
-    let traced_shadow = Traced {
-        rays: shadow.read(executor)?,
-        hits: occluded
-            .read(executor)?
-            .into_iter()
-            .map(|hit| Hit { triangle: if hit == 0 { NO_TRIANGLE } else { 0 }, ..Hit::zeroed() })
-            .collect(),
-    };
+    let traced_bounced = tracer.closest(&bounced)?;
+    let traced_shadow = tracer.any(&shadow)?;
 
     Ok(vec![
-        speed(
-            "primary",
-            time_of_primary,
-            check_closest(scene, &traced_primary, options)?,
-            &traced_primary,
-        ),
-        speed(
-            "diffuse bounce",
-            time_of_bounced,
-            check_closest(scene, &traced_bounced, options)?,
-            &traced_bounced,
-        ),
-        speed("shadow", time_of_shadow, check_any(scene, &traced_shadow, options)?, &traced_shadow),
+        traced_primary.speed("primary", check_closest(scene, &traced_primary, options)?),
+        traced_bounced.speed("diffuse bounce", check_closest(scene, &traced_bounced, options)?),
+        traced_shadow.speed("shadow", check_any(scene, &traced_shadow, options)?),
     ])
+}
+
+/// What traces rays, one of each pixel.
+struct Tracer<'a, E: Executor> {
+    executor: &'a E,
+    scene: SceneBuffers<E::Buffer>,
+    parameters: PathParams,
+    options: Options,
+    /// What the rays that were traced last hit.
+    hits: Array<E::Buffer, Hit>,
+}
+
+impl<'a, E: Executor> Tracer<'a, E> {
+    fn new(
+        executor: &'a E,
+        scene: &PreparedScene,
+        settings: &Settings,
+        options: Options,
+    ) -> Result<Self, BenchError> {
+        let threads = settings.size.width * settings.size.height;
+        Ok(Self {
+            executor,
+            scene: scene.buffers(executor)?,
+            parameters: PathParams { threads, ..scene.parameters(settings) },
+            options,
+            hits: Array::zeroed(executor, "hits", threads as usize)?,
+        })
+    }
+
+    /// Room for a ray of each pixel.
+    fn rays(&self) -> Result<Array<E::Buffer, Ray>, BenchError> {
+        Ok(Array::zeroed(self.executor, "rays", self.parameters.threads as usize)?)
+    }
+
+    /// Finds the closest hits.
+    fn closest(&self, rays: &Array<E::Buffer, Ray>) -> Result<Traced, BenchError> {
+        let time = time(self.executor, self.options, || {
+            kernels::closest_hits(&self.parameters, &self.scene, rays.view(), self.hits.view())
+        })?;
+        Ok(Traced { rays: rays.read(self.executor)?, hits: self.hits.read(self.executor)?, time })
+    }
+
+    /// Finds whether there are hits: where they are does not count.
+    fn any(&self, rays: &Array<E::Buffer, Ray>) -> Result<Traced, BenchError> {
+        let threads = self.parameters.threads as usize;
+        let occluded: Array<E::Buffer, u32> = Array::zeroed(self.executor, "hits", threads)?;
+        let time = time(self.executor, self.options, || {
+            kernels::any_hits(&self.parameters, &self.scene, rays.view(), occluded.view())
+        })?;
+        let hits = occluded
+            .read(self.executor)?
+            .into_iter()
+            .map(|hit| Hit { triangle: if hit == 0 { NO_TRIANGLE } else { 0 }, ..Hit::zeroed() })
+            .collect();
+        Ok(Traced { rays: rays.read(self.executor)?, hits, time })
+    }
 }
 
 /// The median time of `options.repetitions` launches, after one that warms up.
@@ -127,14 +144,16 @@ where
     Ok(median(times))
 }
 
-fn speed(kind: &'static str, time: Duration, check: Check, traced: &Traced) -> RaySpeed {
-    let count = traced.rays.len() as f64;
-    RaySpeed {
-        kind,
-        mrays_per_second: count / time.as_secs_f64() / 1e6,
-        hits: traced.hits.iter().filter(|hit| hit.is_some()).count() as f64 / count,
-        checked: check.checked,
-        ties: check.ties,
+impl Traced {
+    fn speed(&self, kind: &'static str, check: Check) -> RaySpeed {
+        let count = self.rays.len() as f64;
+        RaySpeed {
+            kind,
+            mrays_per_second: count / self.time.as_secs_f64() / 1e6,
+            hits: self.hits.iter().filter(|hit| hit.is_some()).count() as f64 / count,
+            checked: check.checked,
+            ties: check.ties,
+        }
     }
 }
 

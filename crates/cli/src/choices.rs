@@ -53,7 +53,8 @@ choices! {
 
 choices! {
     Estimator {
-        Bilateral: "The squared difference from the picture after a joint bilateral filter (Podee et al.)",
+        Bilateral: "The squared difference from the picture after a joint bilateral filter (Podee \
+                    et al.)",
         Halves: "The squared difference of the means over even and over odd samples",
         Variance: "The variance of the pixel's mean",
     }
@@ -62,16 +63,21 @@ choices! {
 choices! {
     IntegratorKind {
         Megakernel: "One thread walks one path to its end",
-        Compaction: "All paths advance by a segment at a time; after each, stream compaction removes those that have ended",
-        Regeneration: "A fixed number of threads, each of which takes the next sample as soon as its path has ended",
-        Streaming: "A pool of paths that advance by a segment at a time; stream compaction removes those that have ended, and the next samples take their places",
-        Lvc: "Bidirectional: paths from the lights leave vertices in a cache, to which paths from the camera connect",
+        Compaction: "All paths advance by a segment at a time; after each, stream compaction \
+                     removes those that have ended",
+        Regeneration: "A fixed number of threads, each of which takes the next sample as soon as \
+                       its path has ended",
+        Streaming: "A pool of paths that advance by a segment at a time; stream compaction \
+                    removes those that have ended, and the next samples take their places",
+        Lvc: "Bidirectional: paths from the lights leave vertices in a cache, to which paths from \
+              the camera connect",
     }
 }
 
 choices! {
     ToneMap {
-        Soft: "True colours up to 0.8; brighter ones are compressed and fade to white, keeping their hue",
+        Soft: "True colours up to 0.8; brighter ones are compressed and fade to white, keeping \
+               their hue",
         Clip: "True colours up to 1, each component cut off there",
         Aces: "The contrast of film: darker shadows, an S-curve (ACES, as fitted by Narkowicz)",
     }

@@ -117,7 +117,8 @@ fn print_agreement(
         counts.iter().map(|&n| f64::from(n)).sum::<f64>() / counts.len().max(1) as f64;
     let result = image::agreement(test, &variance, own_samples / samples, reference, BLOCK)?;
     print_line(&format!(
-        "agreement       mean {:+.3} %, worst of {} blocks of {}x{} pixels {:.2} standard errors at ({}, {}), {} fireflies aside",
+        "agreement       mean {:+.3} %, worst of {} blocks of {}x{} pixels {:.2} standard errors \
+         at ({}, {}), {} fireflies aside",
         100.0 * (result.mean_ratio - 1.0),
         result.blocks,
         BLOCK[0],

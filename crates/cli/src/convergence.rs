@@ -27,14 +27,25 @@ pub struct ConvergenceArguments {
     /// Integrators to measure, separated by commas: all allocators, estimators and measures with
     /// each of them, and uniform sampling with the first is what all are compared with [default:
     /// the one that --integrator names].
-    #[arg(long, value_parser = choice::<IntegratorKind>(), value_delimiter = ',', value_name = "LIST")]
+    #[arg(
+        long,
+        value_parser = choice::<IntegratorKind>(),
+        value_delimiter = ',',
+        value_name = "LIST"
+    )]
     integrators: Vec<IntegratorKind>,
     /// Who renders the reference [default: the integrator that --integrator names].
     #[arg(long, value_parser = choice::<IntegratorKind>(), value_name = "INTEGRATOR")]
     reference_integrator: Option<IntegratorKind>,
     /// Allocators to measure, separated by commas; uniform is measured in any case, once with each
     /// integrator.
-    #[arg(long, value_parser = choice::<AllocatorKind>(), value_delimiter = ',', value_name = "LIST", default_values_t = ALLOCATORS)]
+    #[arg(
+        long,
+        value_parser = choice::<AllocatorKind>(),
+        value_delimiter = ',',
+        value_name = "LIST",
+        default_values_t = ALLOCATORS
+    )]
     allocators: Vec<AllocatorKind>,
     /// Error estimators to measure with each of them.
     #[arg(
@@ -55,15 +66,30 @@ pub struct ConvergenceArguments {
     )]
     errors: Vec<ErrorMeasure>,
     /// Samples per pixel to render, on average over the pixels.
-    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES / REFERENCE_FACTOR))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 512,
+        value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES / REFERENCE_FACTOR)
+    )]
     spp: u32,
     /// Samples per pixel of uniform sampling whose error and time the others are compared at,
     /// separated by commas [default: 64 and 256, as far as --spp goes].
-    #[arg(long, value_delimiter = ',', value_name = "LIST", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "LIST",
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     levels: Vec<u32>,
     /// Renders of each configuration, with the seeds from --seed on: errors are averaged, of times
     /// the median counts.
-    #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 3,
+        value_parser = clap::value_parser!(u32).range(1..=100)
+    )]
     repetitions: u32,
     /// Samples per pixel of the reference [default: 64 times --spp].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=MAX_SAMPLES))]
@@ -132,9 +158,10 @@ pub fn run(arguments: &ConvergenceArguments) -> Result<Ending, CliError> {
 
 const INTRODUCTION: &str = "# Error over time
 
-Times are those of the rounds by the clock on the wall, the medians of the repetitions; errors are averaged over them. *Trimmed*
-errors leave out the worst 0.1 % of the pixels. Between checkpoints curves are interpolated in log-log scale, beyond their ends
-never. A table's columns are explained above it; every figure is in the CSV files.
+Times are those of the rounds by the clock on the wall, the medians of the repetitions; errors are
+averaged over them. *Trimmed* errors leave out the worst 0.1 % of the pixels. Between checkpoints
+curves are interpolated in log-log scale, beyond their ends never. A table's columns are explained
+above it; every figure is in the CSV files.
 ";
 
 impl ConvergenceArguments {
@@ -150,7 +177,8 @@ impl ConvergenceArguments {
         levels.dedup();
         match levels.iter().find(|&&level| level > self.spp) {
             Some(level) => Err(format!(
-                "--levels {level} is beyond the {} samples per pixel of --spp; raise --spp or leave the level out",
+                "--levels {level} is beyond the {} samples per pixel of --spp; raise --spp or \
+                 leave the level out",
                 self.spp
             )),
             None => Ok(levels),

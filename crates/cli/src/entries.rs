@@ -38,7 +38,8 @@ pub fn load(entries: &[Entry], arguments: &SettingsArguments) -> Result<Vec<Load
         let label = entry.label();
         if scenes.iter().any(|other| other.label == label) {
             return Err(format!(
-                "the results of two scenes would go to {label}; name each scene once, or a copy under another name"
+                "the results of two scenes would go to {label}; name each scene once, or a copy \
+                 under another name"
             )
             .into());
         }

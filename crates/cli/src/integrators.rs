@@ -35,11 +35,21 @@ pub struct IntegratorsArguments {
     #[arg(long, default_value = "3", value_name = "SECONDS", value_parser = parse_seconds)]
     time: Duration,
     /// Renders with each integrator, by turns; the median counts.
-    #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 3,
+        value_parser = clap::value_parser!(u32).range(1..=100)
+    )]
     repetitions: u32,
     /// Slots of the stream that is compared slot for slot and whose paths are counted by
     /// iterations.
-    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u32).range(1..=1 << 22))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1 << 21,
+        value_parser = clap::value_parser!(u32).range(1..=1 << 22)
+    )]
     stream: u32,
     /// Folder for the results: report.md, and a folder with tables and a plot for each scene.
     #[arg(short, long, value_name = "DIR", default_value = "integrators")]
@@ -69,11 +79,13 @@ fn introduction() -> String {
     format!(
         "# Integrators
 
-Speeds are by the clock on the wall, but for those of tracing alone, which are by the device's; medians of the repetitions. *z* is the
-difference of mean radiance from the megakernel's in standard errors; *identical slots* are those of one stream whose contribution is the
-megakernel's, bit for bit. The plots show the paths that are under way in each iteration over that stream, in which each advances by a
-segment: counted on the device for compaction and streaming; for megakernel and regeneration they follow from the lengths of the
-paths, with groups of {GROUP} lanes that are held until the longest of their paths has ended, or with as many threads as a large device can hold.
+Speeds are by the clock on the wall, but for those of tracing alone, which are by the device's;
+medians of the repetitions. *z* is the difference of mean radiance from the megakernel's in standard
+errors; *identical slots* are those of one stream whose contribution is the megakernel's, bit for
+bit. The plots show the paths that are under way in each iteration over that stream, in which each
+advances by a segment: counted on the device for compaction and streaming; for megakernel and
+regeneration they follow from the lengths of the paths, with groups of {GROUP} lanes that are held
+until the longest of their paths has ended, or with as many threads as a large device can hold.
 "
     )
 }

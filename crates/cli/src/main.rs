@@ -116,7 +116,8 @@ fn report_panics() {
         let message = panic.payload_as_str().unwrap_or("unknown");
         let place = panic.location().map_or_else(String::new, |location| format!(" at {location}"));
         output::say(&format!(
-            "error: a bug in raystream: {message}{place}; please report it with the command that you ran"
+            "error: a bug in raystream: {message}{place}; please report it with the command that \
+             you ran"
         ));
         std::process::exit(i32::from(FAILED));
     }));

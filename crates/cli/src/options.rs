@@ -20,7 +20,12 @@ use std::time::Duration;
 pub struct DeviceArguments {
     /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name;
     /// gpu:2 or NAME:2 is the second that fits.
-    #[arg(long, default_value = "auto", value_name = "DEVICE", value_parser = NonEmptyStringValueParser::new())]
+    #[arg(
+        long,
+        default_value = "auto",
+        value_name = "DEVICE",
+        value_parser = NonEmptyStringValueParser::new()
+    )]
     device: String,
     #[command(flatten)]
     open: OpenArguments,
@@ -76,15 +81,28 @@ pub struct SettingsArguments {
     integrator: IntegratorKind,
     /// Light paths of each round of the integrator lvc [default: by a pilot run, as many as leave
     /// about one vertex for each pixel, but no more than pixels, up to 2^20].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_LIGHT_PATHS))]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=MAX_LIGHT_PATHS)
+    )]
     light_paths: Option<u32>,
     /// Connections of each vertex of an eye path to light vertices, in the integrator lvc [default:
     /// by a pilot run, as many as a light path has vertices, 1 or 2].
-    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CONNECTIONS)))]
+    #[arg(
+        long,
+        value_name = "M",
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CONNECTIONS))
+    )]
     connections: Option<u32>,
     /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there.
     /// Details smaller than that cast no shadow; other renderers take some 1500.
-    #[arg(long, default_value_t = OFFSET_ROUNDINGS, value_name = "N", value_parser = parse_ray_offset)]
+    #[arg(
+        long,
+        default_value_t = OFFSET_ROUNDINGS,
+        value_name = "N",
+        value_parser = parse_ray_offset
+    )]
     ray_offset: f32,
     /// How carefully to build the acceleration structure: fast suits previews of large scenes.
     #[arg(long, value_parser = choice::<BvhQuality>(), default_value_t)]

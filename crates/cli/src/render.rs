@@ -46,7 +46,13 @@ pub struct RenderArguments {
     #[command(flatten)]
     device: DeviceArguments,
     /// Brightness of a PNG in stops: +1 doubles.
-    #[arg(long, default_value_t = 0.0, value_name = "STOPS", allow_negative_numbers = true, value_parser = parse_exposure)]
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "STOPS",
+        allow_negative_numbers = true,
+        value_parser = parse_exposure
+    )]
     exposure: f32,
     /// How a PNG shows what is brighter than its white.
     #[arg(long, value_parser = choice::<ToneMap>(), default_value_t)]
@@ -72,21 +78,12 @@ const DEFAULT_SAMPLES: u32 = 64;
 pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let interrupted = catch_interrupt()?;
     let scene = load_scene(&arguments.scene)?;
-    let outputs = if arguments.output.is_empty() {
-        vec![PathBuf::from(format!("{}.png", file_stem(&scene.name)))]
-    } else {
-        arguments.output.clone()
-    };
+    let outputs = arguments.outputs(&scene.name);
     check_outputs(&outputs, arguments.png_layers)?;
     let device = arguments.device.open()?;
     let mut settings =
         Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
-    let say = |line: String| {
-        if !arguments.quiet {
-            output::say(&line);
-        }
-    };
-    say(format!(
+    arguments.say(&format!(
         "{}: {} triangles, {}x{} pixels, on {}",
         scene.name,
         scene.triangle_count(),
@@ -99,24 +96,12 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let prepared = arguments.settings.prepare(scene)?;
     tracing::debug!("built the BVH in {:.2} s", started.elapsed().as_secs_f64());
 
-    let has_no_other_end = arguments.time.is_none() && settings.sampling.noise.is_none();
-    let budget = Budget {
-        samples: arguments.spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES)),
-        time: arguments.time,
-    };
-    if let Some(sampling) = arguments.sampling.fallback()
-        && let Err(error) = EstimateBuffers::check(&device, settings.size)
-    {
-        output::say(&format!(
-            "warning: {}; sampling every pixel equally instead (--allocator uniform)",
-            with_hint(&error)
-        ));
-        settings.sampling = sampling;
-    }
+    let budget = arguments.budget(&settings);
+    arguments.fall_back_on_large_films(&device, &mut settings);
     let mut display = ProgressDisplay::new(arguments.quiet);
     let (film, outcome) =
         render_film(&device, &prepared, &settings, budget, &interrupted, &mut display)?;
-    say(summary(&outcome, &film));
+    arguments.say(&summary(&outcome, &film));
 
     let mut header = vec![
         ("scene".to_owned(), name),
@@ -127,25 +112,74 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     ];
     header.extend(arguments.settings.describe(&settings));
     header.extend(describe(&settings.sampling));
-    let picture_display = Display { exposure: arguments.exposure, tone_map: arguments.tone_map };
-    // Where one cannot be written (a disk is full), the others still save the render.
-    let mut written: Result<(), FigureError> = Ok(());
-    for path in &outputs {
-        let picture = image::write_film_as(path, &film, &header, &picture_display);
-        if picture.is_ok() {
-            say(format!("wrote {}", path.display()));
-        }
-        written = written.and(picture.map_err(FigureError::from));
-        if arguments.png_layers && is_png(path) {
-            let layers = write_png_layers(path, &film, &picture_display);
-            for path in layers.iter().flatten() {
-                say(format!("wrote {}", path.display()));
-            }
-            written = written.and(layers.map(|_| ()));
+    arguments.write(&outputs, &film, &header)?;
+    Ok(if outcome.interrupted { Ending::Interrupted } else { Ending::Done })
+}
+
+impl RenderArguments {
+    /// Says a line, unless nothing but warnings and errors is wanted.
+    fn say(&self, line: &str) {
+        if !self.quiet {
+            output::say(line);
         }
     }
-    written?;
-    Ok(if outcome.interrupted { Ending::Interrupted } else { Ending::Done })
+
+    /// Where the pictures go.
+    fn outputs(&self, scene: &str) -> Vec<PathBuf> {
+        if self.output.is_empty() {
+            vec![PathBuf::from(format!("{}.png", file_stem(scene)))]
+        } else {
+            self.output.clone()
+        }
+    }
+
+    fn budget(&self, settings: &Settings) -> Budget {
+        let has_no_other_end = self.time.is_none() && settings.sampling.noise.is_none();
+        Budget {
+            samples: self.spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES)),
+            time: self.time,
+        }
+    }
+
+    /// Samples uniformly where errors cannot be estimated and nobody asked for it.
+    fn fall_back_on_large_films(&self, device: &Device, settings: &mut Settings) {
+        if let Some(sampling) = self.sampling.fallback()
+            && let Err(error) = EstimateBuffers::check(device, settings.size)
+        {
+            output::say(&format!(
+                "warning: {}; sampling every pixel equally instead (--allocator uniform)",
+                with_hint(&error)
+            ));
+            settings.sampling = sampling;
+        }
+    }
+
+    /// Writes the pictures, and the layers beside them.
+    fn write(
+        &self,
+        outputs: &[PathBuf],
+        film: &Film,
+        header: &[(String, String)],
+    ) -> Result<(), FigureError> {
+        let display = Display { exposure: self.exposure, tone_map: self.tone_map };
+        // Where one cannot be written (a disk is full), the others still save the render.
+        let mut written = Ok(());
+        for path in outputs {
+            let picture = image::write_film_as(path, film, header, &display);
+            if picture.is_ok() {
+                self.say(&format!("wrote {}", path.display()));
+            }
+            written = written.and(picture.map_err(FigureError::from));
+            if self.png_layers && is_png(path) {
+                let layers = write_png_layers(path, film, &display);
+                for path in layers.iter().flatten() {
+                    self.say(&format!("wrote {}", path.display()));
+                }
+                written = written.and(layers.map(|_| ()));
+            }
+        }
+        written
+    }
 }
 
 fn render_film(
@@ -231,7 +265,8 @@ fn check_layers(pictures: &[PathBuf]) -> Result<(), CliError> {
         image::check_writable(path)?;
         if layers[..index].iter().chain(pictures).any(|other| is_same_file(other, path)) {
             return Err(format!(
-                "{}: would be written twice, at least once as a layer (--png-layers); give -o other names",
+                "{}: would be written twice, at least once as a layer (--png-layers); give -o \
+                 other names",
                 path.display()
             )
             .into());

@@ -32,7 +32,12 @@ pub struct SamplingArguments {
 #[derive(Args)]
 pub struct RoundArguments {
     /// Samples per pixel of the first round, which is uniform.
-    #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65536))]
+    #[arg(
+        long,
+        default_value_t = 5,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(2..=65536)
+    )]
     initial_spp: u32,
     /// Samples of a later round, on average over the pixels [default: half of what pixels have, at
     /// least 1].
@@ -44,16 +49,36 @@ pub struct RoundArguments {
 #[derive(Args)]
 pub struct EstimationArguments {
     /// Pixels that the filter of the estimator `bilateral` sees to each side.
-    #[arg(long, default_value_t = FilterSettings::default().radius, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(0..=32))]
+    #[arg(
+        long,
+        default_value_t = FilterSettings::default().radius,
+        value_name = "PIXELS",
+        value_parser = clap::value_parser!(u32).range(0..=32)
+    )]
     filter_radius: u32,
     /// Its standard deviation of world distance, in units of what the radius covers on the surface.
-    #[arg(long, default_value_t = FilterSettings::default().position_sigma, value_name = "SIGMA", value_parser = parse_sigma)]
+    #[arg(
+        long,
+        default_value_t = FilterSettings::default().position_sigma,
+        value_name = "SIGMA",
+        value_parser = parse_sigma
+    )]
     filter_position: f32,
     /// Its standard deviation of the difference of normals, in radians.
-    #[arg(long, default_value_t = FilterSettings::default().normal_sigma, value_name = "SIGMA", value_parser = parse_sigma)]
+    #[arg(
+        long,
+        default_value_t = FilterSettings::default().normal_sigma,
+        value_name = "SIGMA",
+        value_parser = parse_sigma
+    )]
     filter_normal: f32,
     /// Its standard deviation of the difference of albedos.
-    #[arg(long, default_value_t = FilterSettings::default().albedo_sigma, value_name = "SIGMA", value_parser = parse_sigma)]
+    #[arg(
+        long,
+        default_value_t = FilterSettings::default().albedo_sigma,
+        value_name = "SIGMA",
+        value_parser = parse_sigma
+    )]
     filter_albedo: f32,
     /// Let the filter look at features alone, not at colours: the filter of the paper.
     #[arg(long)]

@@ -12,7 +12,8 @@ pub enum FigureError {
     Image(#[from] ImageError),
     /// Colours cannot span a range.
     #[error(
-        "{}: the colours cannot go from {low} to {high}; give two finite numbers, the smaller first",
+        "{}: the colours cannot go from {low} to {high}; give two finite numbers, the smaller \
+         first",
         path.display()
     )]
     ColorRange {

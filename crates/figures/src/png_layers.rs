@@ -60,9 +60,9 @@ pub fn png_layer_paths(path: &Path, estimates: bool) -> Vec<PathBuf> {
 /// | `picture.filtered.png` | the filtered picture, as `display` says; only with estimates |
 /// | `picture.error.png` | root of the estimated squared error, in radiance; only with estimates |
 /// | `picture.samples.png` | samples of the pixel |
-/// | `picture.albedo.png` | mean reflectance of the first surface, sRGB; black where there is none |
-/// | `picture.normal.png` | 0.5 + 0.5 n of the mean shading normal n, its x, y, z as red, green, blue; grey where there is none |
-/// | `picture.depth.png` | mean distance of the first surface from the camera, world units; black where there is none |
+/// | `picture.albedo.png` | mean reflectance of the first surface, sRGB; black where none is |
+/// | `picture.normal.png` | 0.5 + 0.5 n of the mean shading normal n, as RGB; grey where none is |
+/// | `picture.depth.png` | mean distance of the first surface, world units; black where none is |
 ///
 /// Error, samples and depth are drawn with a legend, as by
 /// [`write_color_map`](super::write_color_map).

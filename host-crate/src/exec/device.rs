@@ -219,18 +219,18 @@ impl Devices {
     /// Every device, real GPUs first, the CPU last.
     pub fn list(&self) -> Vec<DeviceInfo> {
         #[cfg(feature = "gpu")]
-        let mut devices = self.gpus.list();
+        let gpus = self.gpus.list();
         #[cfg(not(feature = "gpu"))]
-        let mut devices = Vec::new();
-        devices.push(DeviceInfo {
+        let gpus = [];
+        let cpu = DeviceInfo {
             name: "cpu".into(),
             kind: "CPU",
             driver: threads(),
             kernels: "native",
             buffer_bytes: isize::MAX as u64,
             unsuitable: None,
-        });
-        devices
+        };
+        gpus.into_iter().chain([cpu]).collect()
     }
 
     /// [`Device::open`] of anything but the CPU; `selection` is in lower case.

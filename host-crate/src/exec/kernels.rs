@@ -59,7 +59,10 @@ macro_rules! kernels {
     )*) => {
         $(
             $(#[$doc])*
-            #[allow(clippy::too_many_arguments, reason = "one for each binding, of types of their own")]
+            #[allow(
+                clippy::too_many_arguments,
+                reason = "one for each binding, of types of their own"
+            )]
             pub fn $name<'a, B>(
                 $parameters: &$Parameters,
                 $($scene: &'a SceneBuffers<B>,)?
@@ -91,7 +94,11 @@ macro_rules! kernels {
                     bindings: {
                         const BINDINGS: &[Binding] = &[
                             Binding { name: stringify!($parameters), access: Access::Uniform },
-                            $(scene_binding!($scene 0), scene_binding!($scene 1), scene_binding!($scene 2),)?
+                            $(
+                                scene_binding!($scene 0),
+                                scene_binding!($scene 1),
+                                scene_binding!($scene 2),
+                            )?
                             $(Binding { name: stringify!($read), access: Access::Read },)*
                             $(Binding { name: stringify!($written), access: Access::Write },)*
                             $(Binding { name: stringify!($scattered), access: Access::Write },)*

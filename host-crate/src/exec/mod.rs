@@ -154,7 +154,8 @@ pub enum ExecError {
     },
     /// Asked for a GPU where there is none.
     #[error(
-        "there is no GPU that Vulkan, Metal or DirectX 12 can use; install its driver or use the CPU"
+        "there is no GPU that Vulkan, Metal or DirectX 12 can use; install its driver or use the \
+         CPU"
     )]
     NoGpu,
     /// The device lacks something that the kernels need.
@@ -167,7 +168,8 @@ pub enum ExecError {
     },
     /// A buffer does not fit.
     #[error(
-        "{device} has no room for {bytes} bytes of {label}; use a smaller picture or scene, close other programs, or choose another device"
+        "{device} has no room for {bytes} bytes of {label}; use a smaller picture or scene, close \
+         other programs, or choose another device"
     )]
     OutOfMemory {
         /// The device.
@@ -179,7 +181,8 @@ pub enum ExecError {
     },
     /// A buffer is larger than a kernel can be given.
     #[error(
-        "{device} gives a kernel at most {limit} bytes at once, but {label} takes {bytes}; use the CPU"
+        "{device} gives a kernel at most {limit} bytes at once, but {label} takes {bytes}; use \
+         the CPU"
     )]
     TooLarge {
         /// The device.

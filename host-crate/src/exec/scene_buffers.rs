@@ -3,9 +3,9 @@
 use super::{Array, ExecError, Executor, RawView};
 use glam::UVec4;
 
-/// What a row `with scene` of the [table of kernels](raystream_shaders::kernels) binds, in the order
-/// of [`raystream_shaders::scene::SceneView::new`]. [`raystream_shaders::scene`] says what they
-/// hold.
+/// What a row `with scene` of the [table of kernels](raystream_shaders::kernels) binds, in the
+/// order of [`raystream_shaders::scene::SceneView::new`]. [`raystream_shaders::scene`] says what
+/// they hold.
 pub struct SceneBuffers<B> {
     geometry: Array<B, UVec4>,
     surfaces: Array<B, UVec4>,

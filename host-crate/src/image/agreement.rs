@@ -41,36 +41,16 @@ pub fn agreement(
     block: [u32; 2],
 ) -> Result<Agreement, ImageError> {
     super::compare::check_sizes(test, reference)?;
-    let differences: Vec<(DVec3, DVec3)> = test
+    let differences: Vec<Difference> = test
         .pixels
         .iter()
         .zip(&reference.pixels)
         .zip(variance)
-        .map(|((t, r), v)| {
-            // What never varies, such as a lamp seen directly, still differs by rounding.
-            let rounding = r.as_dvec3() * 1e-5;
-            (
-                t.as_dvec3() - r.as_dvec3(),
-                v.as_dvec3() * (1.0 + samples_ratio) + rounding * rounding,
-            )
+        .map(|((&test, &reference), &variance)| {
+            Difference::new(test, reference, variance, samples_ratio)
         })
         .collect();
-    let in_errors = |difference: DVec3, variance: DVec3| {
-        (0..3).fold(0.0_f64, |worst, c| match difference[c] {
-            0.0 => worst,
-            d => worst.max(d.abs() / variance[c].sqrt()),
-        })
-    };
-
-    let mut by_error: Vec<usize> = (0..differences.len()).collect();
-    by_error.sort_by(|&a, &b| {
-        in_errors(differences[b].0, differences[b].1)
-            .total_cmp(&in_errors(differences[a].0, differences[a].1))
-    });
-    let fireflies = (differences.len() as f64 * FIREFLIES).ceil() as usize;
-    let mut is_firefly = vec![false; differences.len()];
-    by_error.iter().take(fireflies).for_each(|&pixel| is_firefly[pixel] = true);
-
+    let is_firefly = fireflies(&differences);
     let sum =
         |image: &ColorImage| image.pixels.iter().map(|p| p.as_dvec3().element_sum()).sum::<f64>();
     let mut result = Agreement {
@@ -78,7 +58,7 @@ pub fn agreement(
         worst_block: 0.0,
         worst_at: [0, 0],
         blocks: 0,
-        fireflies,
+        fireflies: is_firefly.iter().filter(|&&is| is).count(),
     };
     for top in (0..test.height).step_by(block[1].max(1) as usize) {
         for left in (0..test.width).step_by(block[0].max(1) as usize) {
@@ -86,12 +66,10 @@ pub fn agreement(
             let pixels = rows.flat_map(|y| {
                 (left..test.width.min(left + block[0])).map(move |x| (y * test.width + x) as usize)
             });
-            let (difference, variance) = pixels
+            let errors = pixels
                 .filter(|&pixel| !is_firefly[pixel])
-                .fold((DVec3::ZERO, DVec3::ZERO), |(d, v), pixel| {
-                    (d + differences[pixel].0, v + differences[pixel].1)
-                });
-            let errors = in_errors(difference, variance);
+                .fold(Difference::default(), |sum, pixel| sum.plus(differences[pixel]))
+                .in_errors();
             // NaN must not pass for agreement.
             if errors > result.worst_block || errors.is_nan() {
                 (result.worst_block, result.worst_at) = (errors, [left, top]);
@@ -100,6 +78,46 @@ pub fn agreement(
         }
     }
     Ok(result)
+}
+
+/// The difference of a pixel, or the sum of some pixels' differences.
+#[derive(Clone, Copy, Default)]
+struct Difference {
+    value: DVec3,
+    variance: DVec3,
+}
+
+impl Difference {
+    fn new(test: Vec3, reference: Vec3, variance: Vec3, samples_ratio: f64) -> Self {
+        // What never varies, such as a lamp seen directly, still differs by rounding.
+        let rounding = reference.as_dvec3() * 1e-5;
+        Self {
+            value: test.as_dvec3() - reference.as_dvec3(),
+            variance: variance.as_dvec3() * (1.0 + samples_ratio) + rounding * rounding,
+        }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self { value: self.value + other.value, variance: self.variance + other.variance }
+    }
+
+    /// In standard errors, of the component that is furthest off.
+    fn in_errors(self) -> f64 {
+        (0..3).fold(0.0_f64, |worst, c| match self.value[c] {
+            0.0 => worst,
+            d => worst.max(d.abs() / self.variance[c].sqrt()),
+        })
+    }
+}
+
+/// Which pixels are left out: the share [`FIREFLIES`] of the furthest off.
+fn fireflies(differences: &[Difference]) -> Vec<bool> {
+    let mut by_error: Vec<usize> = (0..differences.len()).collect();
+    by_error.sort_by(|&a, &b| differences[b].in_errors().total_cmp(&differences[a].in_errors()));
+    let count = (differences.len() as f64 * FIREFLIES).ceil() as usize;
+    let mut is_firefly = vec![false; differences.len()];
+    by_error.iter().take(count).for_each(|&pixel| is_firefly[pixel] = true);
+    is_firefly
 }
 
 #[cfg(test)]

@@ -9,13 +9,27 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum ImageError {
     /// The extension names no known format.
-    #[error("{}: not a picture format by its extension; use .exr or .png", path.display())]
+    #[cfg_attr(
+        feature = "exr",
+        error("{}: not a picture format by its extension; use .exr or .png", path.display())
+    )]
+    #[cfg_attr(
+        not(feature = "exr"),
+        error(
+            "{}: not a picture format by its extension; use .png (.exr takes the feature `exr`)",
+            path.display()
+        )
+    )]
     UnknownExtension {
         /// The picture.
         path: PathBuf,
     },
     /// The folder to write into does not exist.
-    #[error("{}: there is no folder {}; create it or choose another path", path.display(), folder.display())]
+    #[error(
+        "{}: there is no folder {}; create it or choose another path",
+        path.display(),
+        folder.display()
+    )]
     NoFolder {
         /// The picture.
         path: PathBuf,
@@ -35,14 +49,18 @@ pub enum ImageError {
         path: PathBuf,
     },
     /// The file to replace is read-only.
-    #[error("{}: exists and is write-protected; remove the protection or choose another path", path.display())]
+    #[error(
+        "{}: exists and is write-protected; remove the protection or choose another path",
+        path.display()
+    )]
     WriteProtected {
         /// The picture.
         path: PathBuf,
     },
     /// No permission to create a file in the folder.
     #[error(
-        "{}: no permission to write into the folder {}; change its permissions or choose another path",
+        "{}: no permission to write into the folder {}; change its permissions or choose another \
+         path",
         path.display(), folder.display()
     )]
     FolderNotWritable {
@@ -52,7 +70,10 @@ pub enum ImageError {
         folder: PathBuf,
     },
     /// The disk or the quota is full.
-    #[error("{}: no space left to write it; free some space or choose another disk", path.display())]
+    #[error(
+        "{}: no space left to write it; free some space or choose another disk",
+        path.display()
+    )]
     DiskFull {
         /// The picture.
         path: PathBuf,
@@ -80,7 +101,10 @@ pub enum ImageError {
         source: io::Error,
     },
     /// The contents are no valid picture.
-    #[error("{}: is not a valid {format} file ({reason}); it may be cut short: make or copy it again", path.display())]
+    #[error(
+        "{}: is not a valid {format} file ({reason}); it may be cut short: make or copy it again",
+        path.display()
+    )]
     Broken {
         /// The picture.
         path: PathBuf,
@@ -90,7 +114,11 @@ pub enum ImageError {
         reason: String,
     },
     /// A valid picture of a kind that is not read.
-    #[error("{}: {reason} is not supported; convert it to a flat, not subsampled EXR or an 8 or 16 bit PNG", path.display())]
+    #[error(
+        "{}: {reason} is not supported; convert it to a flat, not subsampled EXR or an 8 or 16 \
+         bit PNG",
+        path.display()
+    )]
     Unsupported {
         /// The picture.
         path: PathBuf,
@@ -98,7 +126,10 @@ pub enum ImageError {
         reason: String,
     },
     /// The EXR file has no red, green and blue.
-    #[error("{}: has no channels R, G, B, nor a layer with them; it has {channels}", path.display())]
+    #[error(
+        "{}: has no channels R, G, B, nor a layer with them; it has {channels}",
+        path.display()
+    )]
     NoColor {
         /// The picture.
         path: PathBuf,
@@ -107,7 +138,8 @@ pub enum ImageError {
     },
     /// A buffer does not hold one value for each pixel, or there is no pixel.
     #[error(
-        "{}: {what} has {values} values, but the picture is {width}x{height} pixels (at least 1x1); nothing was written",
+        "{}: {what} has {values} values, but the picture is {width}x{height} pixels (at least \
+         1x1); nothing was written",
         path.display()
     )]
     BufferSize {
@@ -124,7 +156,8 @@ pub enum ImageError {
     },
     /// A setting cannot be stored under its key.
     #[error(
-        "{}: the setting {key:?} cannot be stored; a key is 1 to 200 letters, digits, '.', '_' or '-', and used once",
+        "{}: the setting {key:?} cannot be stored; a key is 1 to 200 letters, digits, '.', '_' or \
+         '-', and used once",
         path.display()
     )]
     SettingKey {
@@ -134,7 +167,10 @@ pub enum ImageError {
         key: String,
     },
     /// The encoder refuses the picture.
-    #[error("{}: cannot be stored as {format}: {reason}; choose another format or size", path.display())]
+    #[error(
+        "{}: cannot be stored as {format}: {reason}; choose another format or size",
+        path.display()
+    )]
     Encode {
         /// The picture.
         path: PathBuf,
@@ -145,7 +181,8 @@ pub enum ImageError {
     },
     /// Two pictures to compare have different sizes.
     #[error(
-        "the pictures differ in size: the first is {}x{} pixels, the second {}x{}; render both at the same size",
+        "the pictures differ in size: the first is {}x{} pixels, the second {}x{}; render both at \
+         the same size",
         test.0, test.1, reference.0, reference.1
     )]
     SizesDiffer {

@@ -3,6 +3,7 @@
 use super::exr_select::{Selection, select_color, string};
 use super::exr_write::SETTING_PREFIX;
 use super::guard::catch_panic;
+use super::read::read_file;
 use super::{Channel, ColorImage, ImageError, LayeredImage};
 use exr::block::UncompressedBlock;
 use exr::block::lines::LineRef;
@@ -54,18 +55,6 @@ pub(super) fn read_color(path: &Path) -> Result<ColorImage, ImageError> {
     let pixels = red.values.iter().zip(&green.values).zip(&blue.values);
     let pixels = pixels.map(|((&r, &g), &b)| Vec3::new(r, g, b)).collect();
     Ok(ColorImage { width: image.width, height: image.height, pixels })
-}
-
-/// The bytes of an ordinary file.
-pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
-    let metadata = std::fs::metadata(path).map_err(|e| ImageError::from_read(path, e))?;
-    if metadata.is_dir() {
-        return Err(ImageError::IsFolder { path: path.to_owned() });
-    }
-    if !metadata.is_file() {
-        return Err(ImageError::NotAFile { path: path.to_owned() });
-    }
-    std::fs::read(path).map_err(|e| ImageError::from_read(path, e))
 }
 
 /// Decodes the selected channels, in the order of the selection.

@@ -40,7 +40,7 @@ impl LayeredImage {
     /// | `depth.Z` | mean distance of the first surface from the camera, world units |
     /// | `samples.N` | samples of the pixel |
     /// | `filtered.R` ... `B` | the filtered picture, linear Rec.709; only with estimates |
-    /// | `error.V` | estimated squared error of the mean radiance, the mean over the components; only with estimates |
+    /// | `error.V` | estimated squared error of the radiance, mean over R, G, B; with estimates |
     ///
     /// `samples.N` is a float as all the others are, which every viewer shows; it is exact up to
     /// 2^24 samples. `path` is named in errors.

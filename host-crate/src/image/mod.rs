@@ -1,9 +1,9 @@
 //! Pictures on disk: EXR with named layers, PNG, and their comparison.
 //!
 //! A render is written with [`write_film`], any other picture with [`write_color`]: the extension
-//! of the path says how. [`read_color`] reads what any tool wrote; [`compare()`] and [`difference()`] set
-//! two pictures side by side. Call [`check_writable`] before a long render, so that a mistyped path
-//! costs no hours.
+//! of the path says how. [`read_color`] reads what any tool wrote; [`compare()`] and
+//! [`difference()`] set two pictures side by side. Call [`check_writable`] before a long render, so
+//! that a mistyped path costs no hours.
 //!
 //! Files appear whole or not at all: they are written beside the target and renamed.
 
@@ -12,13 +12,18 @@ mod color;
 mod compare;
 mod difference;
 mod error;
+#[cfg(feature = "exr")]
 mod exr_read;
+#[cfg(feature = "exr")]
 mod exr_select;
+#[cfg(feature = "exr")]
 mod exr_write;
 mod format;
+#[cfg(feature = "exr")]
 mod guard;
 mod layers;
 mod png;
+mod read;
 mod replace;
 mod tone;
 
@@ -27,7 +32,9 @@ pub use color::ColorImage;
 pub use compare::{BlockComparison, Comparison, ComparisonSettings, compare, trimmed_mean};
 pub use difference::difference;
 pub use error::ImageError;
+#[cfg(feature = "exr")]
 pub use exr_read::{read_layers, read_settings};
+#[cfg(feature = "exr")]
 pub use exr_write::write_layers;
 pub use format::Format;
 pub use layers::{Channel, LayeredImage, check_film};
@@ -52,6 +59,7 @@ pub fn write_film(path: impl AsRef<Path>, film: &Film) -> Result<(), ImageError>
 /// # Errors
 /// [`ImageError`] if the extension is neither, the film's buffers do not fit its size, or the file
 /// cannot be written. An existing file is then left as it was.
+#[cfg_attr(not(feature = "exr"), expect(unused_variables, reason = "a PNG has no header"))]
 pub fn write_film_as(
     path: &Path,
     film: &Film,
@@ -59,6 +67,7 @@ pub fn write_film_as(
     display: &Display,
 ) -> Result<(), ImageError> {
     match Format::of(path)? {
+        #[cfg(feature = "exr")]
         Format::Exr => write_layers(path, &LayeredImage::from_film(path, film)?, settings),
         Format::Png => write_png(path, &ColorImage::from_film(film), display),
     }
@@ -69,6 +78,7 @@ pub fn write_film_as(
 ///
 /// # Errors
 /// As [`write_film_as`].
+#[cfg_attr(not(feature = "exr"), expect(unused_variables, reason = "a PNG has no header"))]
 pub fn write_color(
     path: &Path,
     image: &ColorImage,
@@ -76,6 +86,7 @@ pub fn write_color(
     display: &Display,
 ) -> Result<(), ImageError> {
     match Format::of(path)? {
+        #[cfg(feature = "exr")]
         Format::Exr => write_layers(path, &LayeredImage::from_color(image), settings),
         Format::Png => write_png(path, image, display),
     }
@@ -93,6 +104,7 @@ pub fn write_color(
 /// [`ImageError`] if the file cannot be read, is broken, or holds no such channels.
 pub fn read_color(path: &Path) -> Result<ColorImage, ImageError> {
     match Format::of(path)? {
+        #[cfg(feature = "exr")]
         Format::Exr => exr_read::read_color(path),
         Format::Png => png::read_color(path),
     }

@@ -1,6 +1,6 @@
 //! PNG files.
 
-use super::exr_read::read_file;
+use super::read::read_file;
 use super::replace::replace_file;
 use super::{ColorImage, Display, ImageError};
 use crate::color::srgb_decode;

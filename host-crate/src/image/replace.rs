@@ -154,18 +154,18 @@ mod tests {
     #[test]
     fn creates_and_replaces() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let path = folder.path().join("a.png");
         replace_file(&path, b"one").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"one");
         replace_file(&path, b"2").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"2");
-        assert_eq!(names(folder.path()), ["a.exr"]);
+        assert_eq!(names(folder.path()), ["a.png"]);
     }
 
     #[test]
     fn failed_write_keeps_the_old_file_and_leaves_no_other() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
+        let path = folder.path().join("a.png");
         fs::write(&path, b"old").unwrap();
         let half_then_full = |file: &mut File| {
             file.write_all(b"half of the new contents")?;
@@ -175,18 +175,18 @@ mod tests {
         assert!(matches!(error, ImageError::DiskFull { .. }), "{error}");
         assert!(error.to_string().starts_with(path.to_str().unwrap()), "{error}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
-        assert_eq!(names(folder.path()), ["a.exr"]);
+        assert_eq!(names(folder.path()), ["a.png"]);
 
-        let new = folder.path().join("b.exr");
+        let new = folder.path().join("b.png");
         replace_file_with(&new, half_then_full).unwrap_err();
-        assert_eq!(names(folder.path()), ["a.exr"]);
+        assert_eq!(names(folder.path()), ["a.png"]);
     }
 
     #[test]
     fn what_is_being_written_is_listed_until_it_is_not() {
         let folder = tempfile::tempdir().unwrap();
         let listed = || unfinished().iter().filter(|path| path.starts_with(folder.path())).count();
-        let path = folder.path().join("a.exr");
+        let path = folder.path().join("a.png");
         let check = |_: &mut File| {
             assert_eq!(listed(), 1);
             Ok(())
@@ -202,7 +202,7 @@ mod tests {
     fn what_the_system_says_of_a_full_disk_is_understood() {
         let mut full = File::options().write(true).open("/dev/full").expect("Linux has /dev/full");
         let error = full.write_all(b"x").unwrap_err();
-        let error = ImageError::from_write(Path::new("a.exr"), Path::new("."), error);
+        let error = ImageError::from_write(Path::new("a.png"), Path::new("."), error);
         assert!(matches!(error, ImageError::DiskFull { .. }), "{error}");
     }
 
@@ -223,17 +223,18 @@ mod tests {
             .output();
         if !mount.is_ok_and(|o| o.status.success()) {
             eprintln!(
-                "SKIPPED: a_disk_that_fills_up needs the right to mount a tmpfs; run the tests as root"
+                "SKIPPED: a_disk_that_fills_up needs the right to mount a tmpfs; run the tests as \
+                 root"
             );
             return;
         }
         let disk = Mounted(folder);
-        let path = disk.0.path().join("a.exr");
+        let path = disk.0.path().join("a.png");
         replace_file(&path, b"old").unwrap();
         let error = replace_file(&path, &vec![1; 1 << 20]).unwrap_err();
         assert!(matches!(error, ImageError::DiskFull { .. }), "{error}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
-        assert_eq!(names(disk.0.path()), ["a.exr"]);
+        assert_eq!(names(disk.0.path()), ["a.png"]);
         replace_file(&path, &vec![2; 1 << 12]).expect("the failed write gave its space back");
     }
 
@@ -255,43 +256,43 @@ mod tests {
     fn check_refuses_what_cannot_be_written() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        fs::create_dir(at("folder.exr")).unwrap();
+        fs::create_dir(at("folder.png")).unwrap();
         fs::write(at("file"), b"").unwrap();
-        fs::write(at("kept.exr"), b"").unwrap();
-        let mut read_only = fs::metadata(at("kept.exr")).unwrap().permissions();
+        fs::write(at("kept.png"), b"").unwrap();
+        let mut read_only = fs::metadata(at("kept.png")).unwrap().permissions();
         read_only.set_readonly(true);
-        fs::set_permissions(at("kept.exr"), read_only).unwrap();
+        fs::set_permissions(at("kept.png"), read_only).unwrap();
 
         let check = |name: &str| check_writable(&at(name)).unwrap_err();
         assert!(matches!(check("a.jpg"), ImageError::UnknownExtension { .. }));
-        assert!(matches!(check("folder.exr"), ImageError::IsFolder { .. }));
-        assert!(matches!(check("kept.exr"), ImageError::WriteProtected { .. }));
+        assert!(matches!(check("folder.png"), ImageError::IsFolder { .. }));
+        assert!(matches!(check("kept.png"), ImageError::WriteProtected { .. }));
         assert!(matches!(
-            check("file/a.exr"),
+            check("file/a.png"),
             ImageError::Write { .. } | ImageError::NoFolder { .. }
         ));
-        let missing = check("missing/a.exr");
+        let missing = check("missing/a.png");
         assert!(matches!(missing, ImageError::NoFolder { .. }));
         let message = missing.to_string();
         assert!(
-            message.contains(at("missing/a.exr").to_str().unwrap())
+            message.contains(at("missing/a.png").to_str().unwrap())
                 && message.contains("create it"),
             "{message}"
         );
-        assert!(replace_file(&at("kept.exr"), b"new").is_err());
-        assert!(replace_file(&at("folder.exr"), b"new").is_err());
+        assert!(replace_file(&at("kept.png"), b"new").is_err());
+        assert!(replace_file(&at("folder.png"), b"new").is_err());
     }
 
     #[cfg(target_os = "linux")]
     #[test]
     fn a_folder_that_takes_no_files() {
         // Even root cannot create a file here.
-        let error = check_writable(Path::new("/proc/a.exr")).unwrap_err();
+        let error = check_writable(Path::new("/proc/a.png")).unwrap_err();
         assert!(
             matches!(error, ImageError::Write { .. } | ImageError::FolderNotWritable { .. }),
             "{error}"
         );
-        assert!(replace_file(Path::new("/proc/a.exr"), b"").is_err());
+        assert!(replace_file(Path::new("/proc/a.png"), b"").is_err());
     }
 
     #[cfg(unix)]
@@ -300,7 +301,7 @@ mod tests {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
-        let (ordinary, path) = (folder.path().join("ordinary"), folder.path().join("a.exr"));
+        let (ordinary, path) = (folder.path().join("ordinary"), folder.path().join("a.png"));
         fs::write(&ordinary, b"").unwrap();
         replace_file(&path, b"").unwrap();
         assert_eq!(mode(&path), mode(&ordinary));
@@ -314,7 +315,7 @@ mod tests {
     fn a_link_stays_and_its_file_is_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let other = tempfile::tempdir().unwrap();
-        let (link, file) = (folder.path().join("a.exr"), other.path().join("b.exr"));
+        let (link, file) = (folder.path().join("a.png"), other.path().join("b.png"));
         fs::write(&file, b"old").unwrap();
         std::os::unix::fs::symlink(&file, &link).unwrap();
         replace_file(&link, b"new").unwrap();

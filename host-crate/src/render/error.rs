@@ -16,7 +16,9 @@ pub enum RenderError {
     Scene(#[from] InvalidScene),
     /// The BVH does not fit the traversal's stack.
     #[error(
-        "the geometry nests {depth} levels deep and the traversal handles {MAX_DEPTH}: it has many triangles of sizes that differ by orders of magnitude in one place; scale or split them"
+        "the geometry nests {depth} levels deep and the traversal handles {MAX_DEPTH}: it has \
+         many triangles of sizes that differ by orders of magnitude in one place; scale or split \
+         them"
     )]
     TooDeep {
         /// Nodes on the longest path.

@@ -52,12 +52,15 @@ impl<E: Executor> Renderer<E> {
 
     /// The same with an integrator of one's own instead of [`Settings::integrator`]: `create` is
     /// given what an integrator may look at and how many slots its streams have at most.
-    pub fn with_integrator(
+    pub fn with_integrator<C>(
         executor: E,
         scene: &PreparedScene,
         settings: &Settings,
-        create: impl FnOnce(&IntegratorContext<'_, E>, u32) -> Result<Box<dyn Integrator<E>>, ExecError>,
-    ) -> Result<Self, ExecError> {
+        create: C,
+    ) -> Result<Self, ExecError>
+    where
+        C: FnOnce(&IntegratorContext<'_, E>, u32) -> Result<Box<dyn Integrator<E>>, ExecError>,
+    {
         let scene_buffers = scene.buffers(&executor)?;
         let film = FilmBuffers::new(&executor, settings.size)?;
         let (slots, contributions) = allocate_stream(&executor, settings.stream_slots)?;

@@ -161,7 +161,8 @@ fn a_glowing_box_holds_its_radiance() {
             let expected = f64::from(1.0 - reflectance.powi(max_depth as i32));
             assert!(
                 (mean - expected).abs() <= 5.0 * error + 1e-5 * expected,
-                "{techniques:?}, {max_depth} segments: {mean} is {:.1} standard errors from {expected}",
+                "{techniques:?}, {max_depth} segments: {mean} is {:.1} standard errors from \
+                 {expected}",
                 (mean - expected) / error
             );
         }

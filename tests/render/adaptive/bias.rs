@@ -83,7 +83,8 @@ fn the_mean_is_little_too_low_and_less_so_with_more_samples() {
         let [(few, few_error), (many, many_error)] =
             [FEW, MANY].map(|n| bias(&room, sampling, n, truth));
         let what = format!(
-            "{allocator:?} by {estimator:?}: bias {few} +- {few_error} with {} samples, {many} +- {many_error} with {}; that of the reference {truth_error}",
+            "{allocator:?} by {estimator:?}: bias {few} +- {few_error} with {} samples, {many} +- \
+             {many_error} with {}; that of the reference {truth_error}",
             FEW.0, MANY.0
         );
         for (bias, error, (samples, _, allowed)) in

@@ -18,6 +18,7 @@ mod metric;
 mod pictures;
 mod reference;
 mod render;
+mod repeated;
 mod report;
 mod rounds;
 mod speedup;
@@ -32,10 +33,11 @@ pub use report::write_scene;
 pub use rounds::{Breakdown, Rate, Round, UniformRates};
 
 use super::{BenchError, KEEP_WARM, WARM_UP, each_once, warm_up};
-use check::{Deviation, Spread, mean_difference};
+use check::Spread;
 use raystream::exec::Executor;
 use raystream::render::{IntegratorKind, PreparedScene, Renderer, Sampling, Settings};
 use render::{record, rehearse};
+use repeated::Repeated;
 use std::collections::BTreeMap;
 
 /// What to measure.
@@ -129,11 +131,6 @@ pub fn measure<E: Executor>(
     } else {
         None
     };
-    let names: Vec<String> = plan
-        .configurations
-        .iter()
-        .map(|configuration| configuration.name_among(&plan.configurations))
-        .collect();
     for &configuration in &plan.configurations {
         rehearse(executor, scene, &plan.settings(settings, configuration, 0))?;
     }
@@ -141,92 +138,33 @@ pub fn measure<E: Executor>(
     let mut other = Renderer::new(executor, scene, &uniform(first))?;
     let mut render_other = |time| warm_up(time, || other.uniform_round(1).finish().map(drop));
     render_other(WARM_UP)?;
-    let mut curves = vec![Vec::new(); plan.configurations.len()];
-    let mut rounds = vec![Vec::new(); plan.configurations.len()];
-    let mut means = BTreeMap::new();
+    let mut repeated = Repeated::none_yet(&plan.configurations);
     // By turns, so that a device that slows down does so for all.
     for repetition in 0..plan.repetitions {
-        for (index, &configuration) in plan.configurations.iter().enumerate() {
-            let settings = plan.settings(settings, configuration, repetition);
+        for repeated in &mut repeated {
+            let settings = plan.settings(settings, repeated.configuration, repetition);
             let mut renderer = Renderer::new(executor, scene, &settings)?;
             render_other(KEEP_WARM)?;
             let recorded =
                 record(&mut renderer, &settings, &plan.checkpoints, reference, repetition == 0)?;
-            let Some(end) = recorded.points.last() else { continue };
-            say(&format!(
-                "{}, {} of {}: {:.2} samples per pixel in {:.2} s, RMSE {:.3e}",
-                names[index],
-                repetition + 1,
-                plan.repetitions,
-                end.samples,
-                end.wall.as_secs_f64(),
-                end.errors.rmse
-            ));
-            if configuration.is_uniform() {
-                let off = mean_difference(
-                    &recorded.film,
-                    end.samples,
-                    configuration.integrator,
-                    reference,
-                    spread,
-                );
-                if off.is_wrong() {
-                    return Err(BenchError::Wrong(format!(
-                        "the mean of the uniform render ({}) with seed {} is {:.5} times the reference's, {:.1} standard errors off, of which {} are allowed",
-                        names[index], settings.seed, end.errors.mean_ratio, off.errors, off.limit
-                    )));
-                }
-                let largest = means.entry(index).or_insert(off);
-                if off.errors > largest.errors {
-                    *largest = off;
-                }
-            }
-            if repetition == 0 {
-                rounds[index] = recorded.rounds;
-            }
-            curves[index].push(recorded.points);
+            say(&repeated.progress(&recorded, plan.repetitions));
+            repeated.check_mean(&recorded, settings.seed, reference, spread)?;
+            repeated.add(recorded);
         }
     }
     say("tracing uniform rounds of the same lengths");
     render_other(KEEP_WARM)?;
     let mut uniform_rates = BTreeMap::new();
     for integrator in integrators {
-        let own =
-            plan.configurations.iter().zip(&rounds).filter(|(c, _)| c.integrator == integrator);
-        let own: Vec<Round> = own.flat_map(|(_, rounds)| rounds).copied().collect();
-        uniform_rates.insert(
-            integrator,
-            UniformRates::measure(executor, scene, &uniform(integrator), &own)?,
-        );
+        let own = repeated.iter().filter(|r| r.configuration.integrator == integrator);
+        let own: Vec<Round> = own.flat_map(|r| &r.rounds).copied().collect();
+        let rates = UniformRates::measure(executor, scene, &uniform(integrator), &own)?;
+        uniform_rates.insert(integrator, rates);
     }
-    let means = means.iter().map(|(&index, off)| mean_sentence(&names[index], off)).collect();
-    let measured = plan.configurations.iter().zip(names).zip(curves.iter().zip(rounds));
-    let configurations: Vec<Measured> = measured
-        .map(|((&configuration, name), (curves, rounds))| Measured {
-            configuration,
-            name,
-            curve: curve::aggregate(curves),
-            rounds,
-        })
-        .collect();
+    let means = repeated.iter().filter_map(Repeated::mean_sentence).collect();
+    let configurations: Vec<_> = repeated.into_iter().map(Repeated::measured).collect();
     let warnings = configurations.iter().filter_map(bias_warning).collect();
     Ok(Measurement { configurations, uniform_rates, means, warnings })
-}
-
-/// A sentence on the mean of a uniform render.
-fn mean_sentence(name: &str, off: &Deviation) -> String {
-    let Deviation { errors, limit } = off;
-    let how = if *limit == check::LIMIT {
-        String::new()
-    } else {
-        format!(
-            " (the standard error of lvc, whose samples of a round share light paths, is by the spread of {} rounds)",
-            check::ROUNDS
-        )
-    };
-    format!(
-        "mean of {name}: at most {errors:.1} standard errors off the reference's, of which {limit} are allowed{how}"
-    )
 }
 
 /// A sentence on a mean that is further off than adaptive sampling explains.

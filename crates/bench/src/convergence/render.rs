@@ -16,6 +16,8 @@ use std::time::{Duration, Instant};
 pub struct Recorded {
     /// What was measured at the checkpoints that a round passed.
     pub points: Vec<Point>,
+    /// The last of these.
+    pub end: Point,
     /// Every round, if that was wanted.
     pub rounds: Vec<Round>,
     /// The film at the end.
@@ -81,10 +83,10 @@ pub fn record<E: Executor>(
         .par_iter()
         .map(|look| look.point(reference))
         .collect::<Result<Vec<_>, BenchError>>()?;
-    if points.is_empty() {
+    let Some(&end) = points.last() else {
         return Err(BenchError::Wrong("the render took no samples".into()));
-    }
-    Ok(Recorded { points, rounds, film: renderer.film()? })
+    };
+    Ok(Recorded { points, end, rounds, film: renderer.film()? })
 }
 
 /// What was seen of a render on the way.

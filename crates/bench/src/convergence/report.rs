@@ -54,7 +54,8 @@ pub fn write_scene<E: Executor>(
 
     let mut tables = about.heading();
     tables += &format!(
-        "- reference: {} samples per pixel by {}, RMSE {noise:.2e} by its halves; errors below {REFERENCE_MARGIN} times that are limited by it\n",
+        "- reference: {} samples per pixel by {}, RMSE {noise:.2e} by its halves; errors below \
+         {REFERENCE_MARGIN} times that are limited by it\n",
         reference.samples,
         reference.integrator.name()
     );
@@ -122,8 +123,9 @@ fn summary(
         let against_first: Vec<_> =
             others.iter().map(|other| Pair { configuration: other, baseline: first }).collect();
         text += &format!(
-            "\nEqual error: the time (and the samples) that `{baseline}` needs, by what each configuration needs; the best in bold. A dash: \
-             its curve does not span that error, see `speedups.csv`.\n\n"
+            "\nEqual error: the time (and the samples) that `{baseline}` needs, by what each \
+             configuration needs; the best in bold. A dash: its curve does not span that error, \
+             see `speedups.csv`.\n\n"
         );
         text += &markdown(&equal_error(comparisons, levels, &against_first));
         text +=
@@ -132,16 +134,20 @@ fn summary(
     }
     let against_own = against_own_uniform(&measurement.configurations);
     if !against_own.is_empty() {
-        text += "\nEqual error, each integrator by itself: the time (and the samples) that uniform sampling with the same integrator needs, by what \
-                 each configuration needs; levels are those of that uniform sampling.\n\n";
+        text += "\nEqual error, each integrator by itself: the time (and the samples) that \
+                 uniform sampling with the same integrator needs, by what each configuration \
+                 needs; levels are those of that uniform sampling.\n\n";
         text += &markdown(&equal_error(comparisons, levels, &against_own));
     }
     if let Some(columns) = against_atomic(measurement, comparisons, levels) {
-        text += "\nEqual error: the time that `atomic` with the same estimator needs, by what each configuration needs.\n\n";
+        text += "\nEqual error: the time that `atomic` with the same estimator needs, by what \
+                 each configuration needs.\n\n";
         text += &markdown(&columns);
     }
-    text += "\nRounds, the first of each configuration aside (it is uniform): device time of an average round, tracing rates, and (medians \
-             over the rounds) generation and accumulation by tracing, and rates by those of uniform rounds of the same lengths.\n\n";
+    text += "\nRounds, the first of each configuration aside (it is uniform): device time of an \
+             average round, tracing rates, and (medians over the rounds) generation and \
+             accumulation by tracing, and rates by those of uniform rounds of the same \
+             lengths.\n\n";
     text + &markdown(&rounds(breakdowns))
 }
 
@@ -327,7 +333,8 @@ fn illustrations(folder: &str, pictures: Option<&Pictures>) -> String {
     }
     let Some(Pictures { seconds, brightest, pictures }) = pictures else { return text };
     text += &format!(
-        "After {seconds:.3} s, the time of the first level: pictures, and squared errors from 0 to {brightest:.3e}.\n\n"
+        "After {seconds:.3} s, the time of the first level: pictures, and squared errors from 0 \
+         to {brightest:.3e}.\n\n"
     );
     let link = |name: &str| format!("![{name}]({folder}/{PICTURES}/{name}.png)");
     text + &markdown(&[

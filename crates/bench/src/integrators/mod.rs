@@ -127,7 +127,8 @@ pub fn measure<E: Executor>(
         if z.is_nan() || z.abs() > LIMIT {
             let ((mean, error), (first, first_error)) = (other.mean(), measured[0].mean());
             return Err(BenchError::Wrong(format!(
-                "the mean of {} is {mean:.6} +- {error:.1e}, that of {} {first:.6} +- {first_error:.1e}: {z:.1} standard errors apart",
+                "the mean of {} is {mean:.6} +- {error:.1e}, that of {} {first:.6} +- \
+                 {first_error:.1e}: {z:.1} standard errors apart",
                 other.integrator.name(),
                 measured[0].integrator.name()
             )));

@@ -44,7 +44,8 @@ fn every_allocator_writes_its_layers_and_settings() {
     for allocator in ["uniform", "paper", "atomic", "runs"] {
         for estimator in ["bilateral", "halves", "variance"] {
             let arguments = format!(
-                "--allocator {allocator} --estimator {estimator} --relative --initial-spp 2 --round-budget 1.5 --spp 8 --size 16x12"
+                "--allocator {allocator} --estimator {estimator} --relative --initial-spp 2 \
+                 --round-budget 1.5 --spp 8 --size 16x12"
             );
             let (image, setting) = layers(folder.path(), &arguments);
             let adaptive = allocator != "uniform";

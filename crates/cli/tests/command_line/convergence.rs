@@ -1,11 +1,12 @@
 //! `bench convergence` on a tiny picture.
 
-use crate::program::{Run, csv, names, run};
+use crate::program::{Row, Run, csv, names, run};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-const TINY: &str = "bench convergence cornell_ball@16x12 --device cpu --spp 8 --levels 4 --reference-spp 32 --repetitions 1 \
-                    --allocators runs --cache cache --output out";
+const TINY: &str = "bench convergence cornell_ball@16x12 --device cpu --spp 8 --levels 4 \
+                    --reference-spp 32 --repetitions 1 --allocators runs --cache cache \
+                    --output out";
 
 fn tiny(folder: &Path) -> Run {
     run(folder, TINY).succeeded()
@@ -38,38 +39,12 @@ fn everything_is_written() {
         "speedups.csv",
     ];
     assert_eq!(names(&scene), files);
-    let size = |picture: &str| {
-        let picture =
-            raystream::image::read_color(&scene.join("equal-time").join(picture)).unwrap();
-        (picture.width, picture.height)
-    };
-    assert_eq!([size("reference.png"), size("uniform.png")], [(16, 12); 2]);
-    let (width, height) = size("uniform-error.png");
-    assert!(width > 16 && height > 12, "there is a legend");
-
-    let curves = csv(&scene.join("curves.csv"));
-    let uniform: Vec<_> = curves.iter().filter(|row| row["configuration"] == "uniform").collect();
-    let samples: Vec<_> =
-        uniform.iter().map(|row| row["samples_per_pixel"].parse::<f64>().unwrap()).collect();
-    assert_eq!(samples, [1.0, 2.0, 3.0, 4.0, 6.0, 8.0]);
-    for pair in uniform.windows(2) {
-        let number = |row: usize, name: &str| pair[row][name].parse::<f64>().unwrap();
-        assert!(number(0, "seconds") < number(1, "seconds"));
-        assert!(number(0, "rays") < number(1, "rays"));
-    }
-    for row in &curves {
-        let number = |name: &str| row[name].parse::<f64>().unwrap();
-        // A thousandth of so few pixels is none: both are one, but for the order of their sum.
-        assert!(
-            number("rmse") > 0.0 && (number("trimmed_rmse") / number("rmse") - 1.0).abs() < 1e-12,
-            "{row:?}"
-        );
-    }
-    assert!(curves.iter().any(|row| row["configuration"] == "runs-bilateral"));
+    assert_pictures(&scene.join("equal-time"));
+    assert_curves(&csv(&scene.join("curves.csv")));
 
     let rounds = csv(&scene.join("rounds.csv"));
     assert_eq!(rounds.iter().filter(|row| row["configuration"] == "uniform").count(), 6);
-    assert!(rounds.iter().all(|row| row["tracing_ms"].parse::<f64>().unwrap() > 0.0));
+    assert!(rounds.iter().all(|row| number(row, "tracing_ms") > 0.0));
     let speedups = csv(&scene.join("speedups.csv"));
     assert_eq!(speedups.len(), 2, "one level, with and without the worst pixels");
     assert!(
@@ -81,6 +56,39 @@ fn everything_is_written() {
     {
         assert!(report.contains(part), "{part} is not in {report}");
     }
+}
+
+/// Asserts that pictures have the size of the scene's, and those of errors a legend beside it.
+fn assert_pictures(folder: &Path) {
+    let size = |picture: &str| {
+        let picture = raystream::image::read_color(&folder.join(picture)).unwrap();
+        (picture.width, picture.height)
+    };
+    assert_eq!([size("reference.png"), size("uniform.png")], [(16, 12); 2]);
+    let (width, height) = size("uniform-error.png");
+    assert!(width > 16 && height > 12, "there is a legend");
+}
+
+/// Asserts that the curve of uniform sampling has its checkpoints in order, and that all have
+/// errors.
+fn assert_curves(curves: &[Row]) {
+    let uniform: Vec<_> = curves.iter().filter(|row| row["configuration"] == "uniform").collect();
+    let samples: Vec<_> = uniform.iter().map(|row| number(row, "samples_per_pixel")).collect();
+    assert_eq!(samples, [1.0, 2.0, 3.0, 4.0, 6.0, 8.0]);
+    for pair in uniform.windows(2) {
+        assert!(number(pair[0], "seconds") < number(pair[1], "seconds"));
+        assert!(number(pair[0], "rays") < number(pair[1], "rays"));
+    }
+    for row in curves {
+        let (rmse, trimmed) = (number(row, "rmse"), number(row, "trimmed_rmse"));
+        // A thousandth of so few pixels is none: both are one, but for the order of their sum.
+        assert!(rmse > 0.0 && (trimmed / rmse - 1.0).abs() < 1e-12, "{row:?}");
+    }
+    assert!(curves.iter().any(|row| row["configuration"] == "runs-bilateral"));
+}
+
+fn number(row: &Row, name: &str) -> f64 {
+    row[name].parse().unwrap()
 }
 
 #[test]
@@ -132,8 +140,10 @@ fn the_reference_is_kept_and_checked() {
 #[test]
 fn integrators_are_set_against_each_other() {
     let folder = tempfile::tempdir().unwrap();
-    let command = "bench convergence cornell_ball@16x12 --device cpu --integrators streaming,lvc --reference-integrator lvc --spp 16 --levels 4,8 \
-                   --initial-spp 2 --reference-spp 32 --repetitions 2 --allocators runs,atomic --cache cache --output out";
+    let command = "bench convergence cornell_ball@16x12 --device cpu --integrators streaming,lvc \
+                   --reference-integrator lvc --spp 16 --levels 4,8 --initial-spp 2 \
+                   --reference-spp 32 --repetitions 2 --allocators runs,atomic --cache cache \
+                   --output out";
     let stdout = run(folder.path(), command)
         .succeeded()
         .says(&[
@@ -154,12 +164,6 @@ fn integrators_are_set_against_each_other() {
         assert!(stdout.contains(part), "{part} is not in {stdout}");
     }
     let scene = folder.path().join("out/cornell_ball@16x12");
-    let in_order = |file: &str| {
-        let mut configurations: Vec<String> =
-            csv(&scene.join(file)).iter().map(|row| row["configuration"].clone()).collect();
-        configurations.dedup();
-        configurations
-    };
     let all = [
         "streaming-uniform",
         "streaming-runs-bilateral",
@@ -168,10 +172,20 @@ fn integrators_are_set_against_each_other() {
         "lvc-runs-bilateral",
         "lvc-atomic-bilateral",
     ];
-    assert_eq!(in_order("curves.csv"), all);
-    assert_eq!(in_order("rounds.csv"), all);
+    for file in ["curves.csv", "rounds.csv"] {
+        let rows = csv(&scene.join(file));
+        let mut configurations: Vec<_> = rows.iter().map(|row| &row["configuration"]).collect();
+        configurations.dedup();
+        assert_eq!(configurations, all, "{file}");
+    }
+    assert_compared(&scene);
+    let plot = std::fs::read_to_string(scene.join("convergence.svg")).unwrap();
+    assert!(all.iter().all(|name| plot.contains(name)), "{plot}");
+    assert!(names(&scene.join("equal-time")).contains(&"streaming-uniform.png".to_owned()));
+}
 
-    // Each with what it is compared with, at two levels and by two errors.
+/// Asserts that each is compared with what it should be, at two levels and by two errors.
+fn assert_compared(scene: &Path) {
     let mut pairs = BTreeMap::new();
     for row in csv(&scene.join("speedups.csv")) {
         *pairs.entry((row["configuration"].clone(), row["baseline"].clone())).or_insert(0) += 1;
@@ -197,9 +211,6 @@ fn integrators_are_set_against_each_other() {
         );
         assert!(rows.iter().all(|row| row["baseline"].ends_with("-uniform")), "{rows:?}");
     }
-    let plot = std::fs::read_to_string(scene.join("convergence.svg")).unwrap();
-    assert!(all.iter().all(|name| plot.contains(name)), "{plot}");
-    assert!(names(&scene.join("equal-time")).contains(&"streaming-uniform.png".to_owned()));
 }
 
 #[test]
@@ -225,11 +236,15 @@ fn one_integrator_is_in_no_name() {
 #[test]
 fn scenes_that_ship_are_taken_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    let small = "--device cpu --spp 4 --levels 2 --reference-spp 16 --repetitions 1 --allocators uniform --cache cache --output out";
+    let small = "--device cpu --spp 4 --levels 2 --reference-spp 16 --repetitions 1 \
+                 --allocators uniform --cache cache --output out";
     let scenes = "opening@16x12 caustics@12x12";
     run(
         folder.path(),
-        &format!("bench convergence {scenes} --integrators megakernel,lvc --reference-integrator lvc {small}"),
+        &format!(
+            "bench convergence {scenes} --integrators megakernel,lvc \
+             --reference-integrator lvc {small}"
+        ),
     )
     .succeeded();
     assert_eq!(names(&folder.path().join("out")), ["caustics@12x12", "opening@16x12", "report.md"]);

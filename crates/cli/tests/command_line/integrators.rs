@@ -31,7 +31,8 @@ fn every_integrator_renders_the_same_picture() {
 #[test]
 fn everything_is_measured() {
     let folder = tempfile::tempdir().unwrap();
-    let tiny = "bench integrators cornell_ball@24x16 --device cpu --time 0.05 --repetitions 2 --stream 1000 --output out";
+    let tiny = "bench integrators cornell_ball@24x16 --device cpu --time 0.05 --repetitions 2 \
+                --stream 1000 --output out";
     let stdout =
         run(folder.path(), tiny).succeeded().says(&["streaming, 2 of 2", "out/report.md"]).stdout;
     let out = folder.path().join("out");
@@ -85,7 +86,8 @@ fn everything_is_measured() {
 #[test]
 fn some_are_measured() {
     let folder = tempfile::tempdir().unwrap();
-    let tiny = "bench integrators cornell_ball@16x12 --device cpu --time 0.02 --repetitions 1 --stream 100 --quiet";
+    let tiny = "bench integrators cornell_ball@16x12 --device cpu --time 0.02 --repetitions 1 \
+                --stream 100 --quiet";
     for (arguments, expected) in [
         ("--integrators streaming,megakernel", "streaming"),
         ("--integrator compaction", "compaction"),

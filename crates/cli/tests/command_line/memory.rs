@@ -24,7 +24,8 @@ fn a_gpu_without_enough_memory() {
         );
         return;
     };
-    let run = "ulimit -v 2500000 && exec \"$0\" render --size 4096x4096 --spp 1 --max-depth 1 -o a.png --device \"$1\"";
+    let run = "ulimit -v 2500000 && exec \"$0\" render --size 4096x4096 --spp 1 --max-depth 1 \
+               -o a.png --device \"$1\"";
     let output = Command::new("bash")
         .args(["-c", run, env!("CARGO_BIN_EXE_raystream"), gpu])
         .current_dir(folder.path())

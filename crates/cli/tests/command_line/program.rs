@@ -84,8 +84,11 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The lines of a CSV file, split into named fields.
-pub fn csv(path: &Path) -> Vec<std::collections::HashMap<String, String>> {
+/// A line of a CSV file: its fields by name.
+pub type Row = std::collections::HashMap<String, String>;
+
+/// The lines of a CSV file.
+pub fn csv(path: &Path) -> Vec<Row> {
     let text =
         std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());

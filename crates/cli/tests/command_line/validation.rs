@@ -20,7 +20,8 @@ const MISSING_LAYER: &str = "unable to find layer";
 /// runs, and again after others. Paths are so long that integrators that advance in step leave some
 /// to the launch that finishes them.
 fn renders() -> impl Iterator<Item = Vec<&'static str>> {
-    let tiny = "render --size 16x12 --spp 8 --initial-spp 2 --round-budget 2 --noise 0.0001 --device gpu -o a.png";
+    let tiny = "render --size 16x12 --spp 8 --initial-spp 2 --round-budget 2 --noise 0.0001 \
+                --device gpu -o a.png";
     [
         ("uniform", "bilateral", "compaction"),
         ("paper", "bilateral", "regeneration"),
@@ -48,7 +49,8 @@ fn a_render_under_the_validation_layer_is_clean() {
         assert!(output.status.success(), "{messages}");
         if messages.contains(MISSING_LAYER) {
             raystream_tests::no_gpu(
-                "the layer VK_LAYER_KHRONOS_validation is not installed (package vulkan-validationlayers)",
+                "the layer VK_LAYER_KHRONOS_validation is not installed (package \
+                 vulkan-validationlayers)",
             );
             return;
         }

@@ -1,12 +1,9 @@
 //! Which GPUs there are, and the choice of one.
 
 use super::{GpuExecutor, ShaderPath, largest_buffer};
-use crate::exec::ExecError;
 use crate::exec::device::{DeviceInfo, OpenOptions};
-
-/// Storage buffers that a kernel may bind, at most: a number that every desktop device with Vulkan,
-/// Metal or DirectX 12 grants.
-const STORAGE_BUFFERS: u32 = 12;
+use crate::exec::kernels::table;
+use crate::exec::{Access, ExecError, Kernel};
 
 /// All GPUs that the system's drivers offer, real ones first.
 pub struct Adapters {
@@ -113,13 +110,21 @@ impl Adapters {
 
 fn unsuitable(adapter: &wgpu::Adapter) -> Option<String> {
     let limits = adapter.limits();
-    if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+    let (granted, needed) = (limits.max_storage_buffers_per_shader_stage, storage_buffers());
+    if granted < needed {
         return Some(format!(
-            "a kernel can bind {} storage buffers there and needs {STORAGE_BUFFERS}",
-            limits.max_storage_buffers_per_shader_stage
+            "a kernel can bind {granted} storage buffers there and needs {needed}"
         ));
     }
     let downlevel = adapter.get_downlevel_capabilities();
     (!downlevel.flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS))
         .then(|| "it has no compute shaders".to_owned())
+}
+
+/// Storage buffers that a kernel binds, at most.
+fn storage_buffers() -> u32 {
+    let of_kernel = |kernel: &&Kernel| {
+        kernel.bindings.iter().filter(|binding| binding.access != Access::Uniform).count() as u32
+    };
+    table::ALL.iter().map(of_kernel).max().unwrap_or(0)
 }

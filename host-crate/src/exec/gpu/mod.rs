@@ -1,27 +1,21 @@
 //! The executor that runs kernels on a GPU, through wgpu.
 
 mod adapters;
+mod clock;
+mod pipelines;
 
 pub(super) use adapters::Adapters;
+pub use pipelines::ShaderPath;
 
-use super::kernels::SPIRV;
-use super::{Access, ExecError, Executor, Kernel, Launch, Limits, kernels};
+use super::{ExecError, Executor, Kernel, Launch, Limits, kernels};
+use clock::Clock;
+use pipelines::Pipeline;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Bytes that are copied between host and device at once.
 const TRANSFER_BYTES: u64 = 64 << 20;
-
-/// How the kernels reach the driver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ShaderPath {
-    /// The SPIR-V as it was compiled; Vulkan only.
-    Passthrough,
-    /// Translated by naga to the driver's language, with its bounds checks; for other drivers, and
-    /// for comparison.
-    Naga,
-}
 
 /// Runs kernels on one GPU.
 pub struct GpuExecutor {
@@ -34,48 +28,6 @@ pub struct GpuExecutor {
     clock: Option<Mutex<Clock>>,
     /// What the driver reported outside of any call that could return it.
     failure: Arc<Mutex<Option<String>>>,
-}
-
-/// Two time stamps for each part of a run.
-struct Clock {
-    parts: u32,
-    queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    staging: wgpu::Buffer,
-}
-
-impl Clock {
-    fn new(device: &wgpu::Device, parts: u32) -> Self {
-        let buffer = |label, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: u64::from(parts) * 16,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        Self {
-            parts,
-            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: Some("parts of a run"),
-                ty: wgpu::QueryType::Timestamp,
-                count: 2 * parts,
-            }),
-            resolved: buffer(
-                "timestamps",
-                wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            ),
-            staging: buffer(
-                "timestamps",
-                wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            ),
-        }
-    }
-}
-
-struct Pipeline {
-    pipeline: wgpu::ComputePipeline,
-    layout: wgpu::BindGroupLayout,
 }
 
 impl GpuExecutor {
@@ -122,85 +74,15 @@ impl GpuExecutor {
             device,
             queue,
         };
-        let module = executor.shader_module(path);
+        let module = pipelines::shader_module(&executor.device, path);
         executor.check()?;
         for kernel in kernels::table::ALL {
-            let pipeline = executor.pipeline(&module, kernel);
-            executor.pipelines.insert(kernel.name, pipeline);
+            executor
+                .pipelines
+                .insert(kernel.name, Pipeline::new(&executor.device, &module, kernel));
         }
         executor.check()?;
         Ok(executor)
-    }
-
-    fn shader_module(&self, path: ShaderPath) -> wgpu::ShaderModule {
-        let words: Vec<u32> = bytemuck::pod_collect_to_vec(SPIRV);
-        match path {
-            ShaderPath::Passthrough => {
-                let entry_points = kernels::table::ALL
-                    .iter()
-                    .map(|kernel| wgpu::PassthroughShaderEntryPoint {
-                        name: kernel.name.into(),
-                        workgroup_size: (kernel.workgroup_size, 1, 1),
-                    })
-                    .collect::<Vec<_>>();
-                let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
-                    label: Some("kernels"),
-                    entry_points: entry_points.into(),
-                    spirv: Some(words.into()),
-                    ..Default::default()
-                };
-                // SAFETY: the module was validated when it was compiled, its interface is compared
-                // with the table by a test, and every launch binds what the table says.
-                unsafe { self.device.create_shader_module_passthrough(descriptor) }
-            }
-            ShaderPath::Naga => self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("kernels"),
-                source: wgpu::ShaderSource::SpirV(words.into()),
-            }),
-        }
-    }
-
-    fn pipeline(&self, module: &wgpu::ShaderModule, kernel: &Kernel) -> Pipeline {
-        let entries: Vec<_> = kernel
-            .bindings
-            .iter()
-            .zip(0..)
-            .map(|(binding, number)| wgpu::BindGroupLayoutEntry {
-                binding: number,
-                visibility: wgpu::ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer {
-                    ty: match binding.access {
-                        Access::Uniform => wgpu::BufferBindingType::Uniform,
-                        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                        Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
-                    },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            })
-            .collect();
-        let layout = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(kernel.name),
-            entries: &entries,
-        });
-        let pipeline_layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(kernel.name),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(kernel.name),
-            layout: Some(&pipeline_layout),
-            module,
-            entry_point: Some(kernel.name),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                zero_initialize_workgroup_memory: false,
-                ..Default::default()
-            },
-            cache: None,
-        });
-        Pipeline { pipeline, layout }
     }
 
     /// The size of the launch's grid in workgroups: rows of at most as many as the device allows.
@@ -393,24 +275,14 @@ impl Executor for GpuExecutor {
         let count = parts.len() as u32;
         let mut clock =
             self.clock.as_ref().map(|clock| clock.lock().unwrap_or_else(PoisonError::into_inner));
-        if let Some(clock) = &mut clock
-            && clock.parts < count
-        {
-            // Twice the number, so that little is made over and over while runs get longer.
-            **clock = Clock::new(&self.device, (2 * count).min(wgpu::QUERY_SET_MAX_QUERIES / 2));
-        }
-        let clock = clock.as_deref().filter(|clock| clock.parts >= count);
+        let clock = clock.as_mut().and_then(|clock| clock.with_room_for(&self.device, count));
         let (parameters, starts) = self.parameter_buffer(parts.iter().copied().flatten());
         let mut starts = starts.into_iter();
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        for (part, first_stamp) in parts.iter().zip((0..).step_by(2)) {
+        for (part, number) in parts.iter().zip(0..) {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: part.first().map(|launch| launch.kernel.name),
-                timestamp_writes: clock.map(|clock| wgpu::ComputePassTimestampWrites {
-                    query_set: &clock.queries,
-                    beginning_of_pass_write_index: Some(first_stamp),
-                    end_of_pass_write_index: Some(first_stamp + 1),
-                }),
+                timestamp_writes: clock.map(|clock| clock.stamps(number)),
             });
             for (launch, first_byte) in part.iter().zip(&mut starts) {
                 pass.set_pipeline(&self.pipelines[launch.kernel.name].pipeline);
@@ -426,18 +298,8 @@ impl Executor for GpuExecutor {
             return Ok(vec![start.elapsed() / count; parts.len()]);
         };
         // Read back with the same submission: a second one would be a second round trip.
-        let stamps = 2 * count;
-        let bytes = u64::from(stamps) * 8;
-        encoder.resolve_query_set(&clock.queries, 0..stamps, &clock.resolved, 0);
-        encoder.copy_buffer_to_buffer(&clock.resolved, 0, &clock.staging, 0, bytes);
+        let (stamps, bytes) = clock.resolve(&mut encoder, count);
         self.queue.submit([encoder.finish()]);
-        let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&self.map(&clock.staging, bytes)?);
-        let period = f64::from(self.queue.get_timestamp_period());
-        Ok(stamps
-            .chunks_exact(2)
-            .map(|stamp| {
-                Duration::from_nanos((stamp[1].saturating_sub(stamp[0]) as f64 * period) as u64)
-            })
-            .collect())
+        Ok(clock::durations(&self.map(stamps, bytes)?, self.queue.get_timestamp_period()))
     }
 }

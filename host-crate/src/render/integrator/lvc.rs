@@ -114,7 +114,8 @@ impl<B> Lvc<B> {
             };
             let lvc = Self::with_room(context.executor, parameters, light_paths)?;
             tracing::debug!(
-                "light paths: {light_paths} of {vertices_per_path:.3} vertices, {connections} connections"
+                "light paths: {light_paths} of {vertices_per_path:.3} vertices, {connections} \
+                 connections"
             );
             Ok(Self { vertices: vertices_per_path * f64::from(light_paths), ..lvc })
         })

@@ -3,8 +3,8 @@
 //! | name | what it is |
 //! |---|---|
 //! | [`megakernel`] | one thread walks one path to its end |
-//! | [`regeneration`] | a fixed number of threads, each takes the next slot when its path has ended |
-//! | `compaction` ([`wavefront`]) | all paths advance a segment at a time, terminated ones are removed |
+//! | [`regeneration`] | a fixed number of threads; each takes the next slot when its path ends |
+//! | `compaction` ([`wavefront`]) | all paths advance a segment at a time; ended ones are removed |
 //! | `streaming` ([`wavefront`]) | likewise, and the next slots take their places |
 //! | [`lvc`] | bidirectional, with a cache of light vertices |
 //!

@@ -32,7 +32,8 @@ pub struct Wavefront<B> {
     regenerates: bool,
     /// See [`queue_rows`].
     queues: u32,
-    /// The queues and the states of the paths, see [`raystream_shaders::integrator::wavefront::pool`].
+    /// The queues and the states of the paths, see
+    /// [`raystream_shaders::integrator::wavefront::pool`].
     rows: Array<B, UVec4>,
     /// Which lanes have a path that goes on: 1, else 0.
     goes_on: Array<B, u32>,
@@ -120,8 +121,8 @@ impl<B> Wavefront<B> {
     }
 }
 
-/// Rows of the pool's buffer for the queues of all iterations over a stream, rounded up so that what
-/// follows is aligned.
+/// Rows of the pool's buffer for the queues of all iterations over a stream, rounded up so that
+/// what follows is aligned.
 fn queue_rows(stream: u32, capacity: u32, regenerates: bool) -> u32 {
     let passes = Pass::all(stream, capacity, regenerates, u32::MAX);
     let iterations = passes.last().map_or(0, |pass| pass.iterations.end);
