@@ -48,7 +48,7 @@ fn scene_files_that_are_wrong() {
 #[test]
 fn scene_files_that_are_no_json() {
     refused(&SceneFolder::new().without("scene.json"), &["scene.json", "cannot be read"]);
-    refused(&SceneFolder::new().with("scene.json", "v 0 0 0"), &["scene.json", "line 1"]);
+    refused(&SceneFolder::new().with("scene.json", "v 0 0 0"), &["scene.json", "is an OBJ"]);
     refused(&SceneFolder::new().with("scene.json", ""), &["scene.json"]);
     let text = std::fs::read_to_string(SceneFolder::new().path("scene.json")).unwrap();
     for number in ["NaN", "Infinity", "1e999"] {
@@ -99,7 +99,7 @@ fn textures_that_are_wrong() {
     let textured = MTL.replace("Kd 1 0 0", "map_Kd wall.png");
     let broken =
         SceneFolder::new().with("a.mtl", &textured).with("wall.png", b"\x89PNG\r\n\x1a\nbroken");
-    refused(&broken, &["wall.png", "texture"]);
+    warned(&broken, &["a.mtl", "wall.png", "cannot be read", "Kd"]);
     let override_ = |texture: &str| {
         SceneFolder::new().json(|scene| {
             scene["materials"] =
