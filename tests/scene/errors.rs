@@ -171,7 +171,9 @@ fn cameras() {
         &["key `camera`", "up is zero or along the view"],
     );
     expect_value("/camera/up", json!([0, 0, 0]), &["key `camera`", "up is zero or along the view"]);
-    expect_value("/camera/origin", json!([0, 1e12, 0]), &["camera.origin", "1000000000"]);
+    expect_value("/camera/origin", json!([1e10, 0, 0]), &["key `camera`", "origin", "1000000000"]);
+    expect_value("/camera/origin", json!([0, 1e13, 0]), &["camera.origin", "1000000000000"]);
+    expect_value("/quads/0/corner", json!([0, 1e10, 0]), &["quads[0].corner", "1000000000"]);
 }
 
 #[test]
@@ -361,6 +363,7 @@ fn objs_with_bad_lines() {
     expect_obj(&used("v nan 0 0"), &["line 1", "`nan`"]);
     expect_obj(&used("v 0 0 1e39"), &["line 1", "`1e39`"]);
     expect_obj(&used("v 0 -1.#IND 0"), &["line 1", "`-1.#IND`"]);
+    expect_obj(&used("v 0 1e11 0").replace("f 1 2 3", "f 1 2 3\nf 2 3 4"), &["line 1", "middle"]);
     expect_obj(&format!("{v}f 1 2 4\n"), &["line 4", "vertex 4 does not exist", "the file has 3"]);
     expect_obj(&format!("{v}f 1 2 0\n"), &["line 4", "vertex 0 does not exist"]);
     expect_obj(&format!("{v}f -1 -2 -4\n"), &["line 4", "vertex -4 does not exist"]);

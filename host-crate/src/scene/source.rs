@@ -103,7 +103,8 @@ fn spellings(name: &[u8]) -> Vec<PathBuf> {
         Ok(text) => vec![PathBuf::from(text)],
         Err(_) => {
             let latin: String = slashed.iter().copied().map(char::from).collect();
-            raw_path(&slashed).into_iter().chain([PathBuf::from(latin)]).collect()
+            let raw = [raw_path(&slashed), raw_path(name)];
+            raw.into_iter().flatten().chain([PathBuf::from(latin)]).collect()
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The scene file: JSON, format 1, checked key by key as it is read.
 
 use super::material::FileMaterial;
-use super::values::{AngleOfView, Coordinates, Depth, FilmSide, Object, Radiance};
+use super::values::{AngleOfView, Coordinates, Depth, FilmSide, Object, Place, Radiance};
 use super::wrong_kind;
 use crate::scene::camera::Camera;
 use crate::scene::error::SceneError;
@@ -61,8 +61,10 @@ impl SceneFile {
     }
 
     /// The camera, with `origin` taken off its place; the error says what is then wrong with it.
-    pub(super) fn camera(&self, origin: DVec3) -> Result<Camera, &'static str> {
-        self.camera.0.seen_from(origin)
+    pub(super) fn camera(&self, origin: DVec3) -> Result<Camera, String> {
+        let camera = self.camera.0.seen_from(origin)?;
+        camera.check()?;
+        Ok(camera)
     }
 
     pub(super) fn limits(&self) -> PathLimits {
@@ -146,8 +148,8 @@ struct FileCamera(CameraKeys);
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CameraKeys {
-    origin: Coordinates,
-    target: Coordinates,
+    origin: Place,
+    target: Place,
     up: Coordinates,
     fov_y: AngleOfView,
 }
@@ -182,7 +184,7 @@ impl FileCamera {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Quad {
-    corner: Coordinates,
+    corner: Place,
     u: Coordinates,
     v: Coordinates,
     radiance: Radiance,

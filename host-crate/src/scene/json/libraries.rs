@@ -2,7 +2,7 @@
 
 use crate::scene::error::SceneError;
 use crate::scene::load::LoadOptions;
-use crate::scene::obj::mtl::Library;
+use crate::scene::obj::mtl::{Ignored, Library};
 use crate::scene::source::{Found, Source, find_foreign};
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::{Name, plain_text};
@@ -37,8 +37,12 @@ pub(super) fn read(
         let bytes = source.read(&path, options.text_bytes())?;
         let text = plain_text(&bytes)
             .map_err(|what| SceneError::WrongKind { path: path.clone(), what })?;
-        for (material, line) in library.add(&path, text) {
-            summary.note(&path, line, Fate::DefinedAgain, "newmtl", &material.to_string());
+        for Ignored { line, key, again } in library.add(&path, text) {
+            let (fate, material) = match again {
+                Some(name) => (Fate::DefinedAgain, name.to_string()),
+                None => (Fate::WithoutEffect, "no material".to_owned()),
+            };
+            summary.note(&path, line, fate, &key, &material);
         }
     }
     Ok(library)

@@ -15,6 +15,7 @@ use self::format::{Normals, SceneFile};
 use self::names::Names;
 use self::parts::Parts;
 use self::values::Object;
+use super::bounds;
 use super::description::Scene;
 use super::error::SceneError;
 use super::load::LoadOptions;
@@ -64,7 +65,7 @@ pub(super) fn load_text(
     check_overrides(path, &file, &obj)?;
 
     let origin = origin_of(obj.parts.iter().map(Part::positions));
-    let camera = file.camera(origin).map_err(|what| wrong_key(path, "camera", what))?;
+    let camera = file.camera(origin).map_err(|what| wrong_key(path, "camera", &what))?;
     let mut scene = Scene::new(camera, file.film());
     scene.name = file.name.clone();
     scene.limits = file.limits();
@@ -87,6 +88,9 @@ fn add_quads(
 ) -> Result<(), SceneError> {
     for (index, Object(quad)) in file.quads.iter().enumerate() {
         let light = quad.light(origin);
+        if let Err(what) = bounds::coordinates(&light.corner.to_array()) {
+            return Err(wrong_key(path, &format!("quads[{index}].corner"), &what));
+        }
         if !light.has_area() {
             let what = "u and v span no area: a quad needs two edges in different directions";
             return Err(wrong_key(path, &format!("quads[{index}]"), what));

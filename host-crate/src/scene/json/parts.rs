@@ -6,6 +6,7 @@ use super::libraries;
 use super::material::FileMaterial;
 use super::names::Names;
 use super::values::Object;
+use crate::scene::bounds::MAX_COORDINATE;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::load::LoadOptions;
@@ -120,6 +121,10 @@ impl<'a> Parts<'a> {
         let [v, vt, vn] = part.unusable;
         if let Some(line) = v.or(vt.filter(|_| map.is_some())).or(vn) {
             return Err(Obj::unusable(self.obj_path, self.obj_text, line));
+        }
+        let is_near = |place: DVec3| (place - self.origin).abs().max_element() <= MAX_COORDINATE;
+        if !part.positions().all(is_near) {
+            return Err(Obj::too_far(self.obj_path, self.obj_text, self.origin));
         }
         let mut mesh = part.mesh(material, self.origin, map.as_ref());
         self.cleaner.clean(&mut mesh);

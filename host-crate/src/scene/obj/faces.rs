@@ -13,6 +13,8 @@ use std::fmt::Write as _;
 
 /// The material of faces that come before any `usemtl`.
 pub(super) const NO_MATERIAL: &[u8] = b"(none)";
+/// Faces of lines longer than this are counted before they are read.
+const LONG: usize = 1 << 16;
 /// At most this many kinds of lines that are not read are told apart.
 const MAX_KEYWORDS: usize = 32;
 
@@ -117,6 +119,9 @@ impl Reader<'_> {
     }
 
     fn face(&mut self, number: usize, rest: &[u8], cost: &mut Cost) -> Result<(), BadLine> {
+        if rest.len() > LONG {
+            cost.check(number, words(rest).count())?;
+        }
         self.corners.clear();
         self.indices.dangling = [false; 3];
         for word in words(rest) {

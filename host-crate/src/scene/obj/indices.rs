@@ -1,6 +1,7 @@
 //! The indices of a face's corners.
 
 use super::vertices::{LISTS, V, VN, Vertices};
+use crate::scene::text::shown;
 
 /// Reads indices into the lists of an OBJ.
 pub(super) struct Indices<'a> {
@@ -32,7 +33,7 @@ impl<'a> Indices<'a> {
         } else {
             Err(format!(
                 "`{}` is not a corner of a face; it must look like 1, 1/2, 1//3 or 1/2/3",
-                word.escape_ascii()
+                shown(word)
             ))
         }
     }
@@ -42,8 +43,8 @@ impl<'a> Indices<'a> {
     fn index(&mut self, list: usize, part: &[u8]) -> Result<Option<usize>, String> {
         let name = LISTS[list];
         let index: Option<i64> = std::str::from_utf8(part).ok().and_then(|part| part.parse().ok());
-        let index = index
-            .ok_or_else(|| format!("`{}` is not the index of a {name}", part.escape_ascii()))?;
+        let index =
+            index.ok_or_else(|| format!("`{}` is not the index of a {name}", shown(part)))?;
         let (seen, count) = (self.seen[list], self.vertices.counts[list]);
         let absolute = if index < 0 { seen as i64 + 1 + index } else { index };
         match usize::try_from(absolute).ok().filter(|found| (1..=count).contains(found)) {

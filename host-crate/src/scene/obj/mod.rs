@@ -18,6 +18,7 @@ use self::problem::{BadLine, Cost};
 use self::vertices::{VN, VT, Vertices};
 use super::error::SceneError;
 use super::text::{Name, plain_text};
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -58,9 +59,7 @@ impl Obj {
         let (vertices, Faces { groups, libraries, unread }) =
             read(text, normals, memory).map_err(|bad| bad.error(path))?;
         if groups.is_empty() {
-            return Err(fail(
-                "has no faces; a scene needs an OBJ with at least one `f` line".to_owned(),
-            ));
+            return Err(fail(without_faces(text, &unread)));
         }
         let names: Vec<_> = (0..groups.len()).map(|n| format!("usemtl {n}\n")).collect();
         let mut text = plain_form(&vertices.text, &groups, &names);
@@ -84,10 +83,27 @@ impl Obj {
         Ok(Self { libraries, parts: parts.collect(), unread, coloured, unusable })
     }
 
+    /// The error of a scene with the file `path` that has vertices too far from its `origin`.
+    pub(super) fn too_far(path: &Path, bytes: &[u8], origin: DVec3) -> SceneError {
+        vertices::too_far(plain_text(bytes).unwrap_or_default(), origin).error(path)
+    }
+
     /// The error of a scene that uses what is unusable, in this line of the file `path`.
     pub(super) fn unusable(path: &Path, bytes: &[u8], line: usize) -> SceneError {
         vertices::explain(plain_text(bytes).unwrap_or_default(), line).error(path)
     }
+}
+
+/// What to say of an OBJ without faces, which may be something else.
+fn without_faces(text: &[u8], unread: &BTreeMap<Name, (usize, usize)>) -> String {
+    let kind = if unread.contains_key(&Name::new(b"newmtl")) {
+        " and looks like an MTL"
+    } else if text.trim_ascii_start().starts_with(b"{") {
+        " and looks like a scene file"
+    } else {
+        ""
+    };
+    format!("has no faces{kind}; a scene needs an OBJ with at least one `f` line")
 }
 
 fn read(text: &[u8], normals: bool, memory: u64) -> Result<(Vertices, Faces), BadLine> {
@@ -116,7 +132,7 @@ fn numbered_materials(count: usize) -> tobj::MTLLoadResult {
 mod tests {
     use super::*;
     use crate::scene::material::MaterialId;
-    use glam::{DVec2, DVec3, Vec2};
+    use glam::{DVec2, Vec2};
 
     fn parse(text: &str) -> Obj {
         Obj::parse(Path::new("test.obj"), text.as_bytes(), true, 1 << 20).unwrap()

@@ -74,6 +74,11 @@ impl Cost {
         self.take(line, triangles + corners + 2 * bytes as u64)
     }
 
+    /// Whether there is memory for a face of so many corners.
+    pub(super) fn check(&self, line: usize, corners: usize) -> Result<(), BadLine> {
+        Self { ..*self }.face(line, corners, 0)
+    }
+
     /// A name of so many bytes, of a material or a file.
     pub(super) fn name(&mut self, line: usize, bytes: usize) -> Result<(), BadLine> {
         self.take(line, PER_NAME + 2 * bytes as u64)

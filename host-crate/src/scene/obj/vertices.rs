@@ -1,8 +1,9 @@
 //! The lines v, vt and vn of an OBJ.
 
 use super::problem::{BadLine, Cost};
-use crate::scene::bounds::MAX_COORDINATE;
-use crate::scene::text::{Lines, split_keyword, words};
+use crate::scene::bounds::{MAX_COORDINATE, MAX_PLACE};
+use crate::scene::text::{Lines, shown, split_keyword, words};
+use glam::DVec3;
 
 /// The lists of an OBJ, as indices of arrays.
 pub(super) const V: usize = 0;
@@ -96,6 +97,20 @@ pub(super) fn explain(text: &[u8], number: usize) -> BadLine {
     BadLine::new(number, what.unwrap_or_default())
 }
 
+/// The first line of `text` with a vertex that is too far from `origin`.
+pub(super) fn too_far(text: &[u8], origin: DVec3) -> BadLine {
+    let is_too_far = |line: &[u8]| {
+        let (keyword, rest) = split_keyword(line);
+        let place = words(rest).zip(origin.to_array()).map(|(word, origin)| {
+            std::str::from_utf8(word).ok()?.parse::<f64>().ok().map(|place| place - origin)
+        });
+        keyword == b"v" && place.flatten().any(|place| place.abs() > MAX_COORDINATE)
+    };
+    let line = Lines::new(text).find(|(_, line)| is_too_far(line)).map_or(0, |(line, _)| line);
+    let what = format!("a coordinate is more than {MAX_COORDINATE:e} from the middle of the scene");
+    BadLine::new(line, what)
+}
+
 /// Adds a line in plain form. Weights and colours are left out, and so is the w of a vt.
 fn append<'a>(
     text: &mut String,
@@ -104,7 +119,7 @@ fn append<'a>(
 ) -> Result<(), String> {
     text.push_str(["v", "vt", "vn"][list]);
     let (wanted, needed) = [(3, 3), (2, 1), (3, 3)][list];
-    let limit = [MAX_COORDINATE, MAX_TEXTURE_COORDINATE, f64::MAX][list];
+    let limit = [MAX_PLACE, MAX_TEXTURE_COORDINATE, f64::MAX][list];
     let mut found = 0;
     for word in words.take(wanted) {
         let word = std::str::from_utf8(word).map_err(|_| not_a_number(word))?;
@@ -125,7 +140,7 @@ fn append<'a>(
 }
 
 fn not_a_number(word: &[u8]) -> String {
-    format!("`{}` is not a number", word.escape_ascii())
+    format!("`{}` is not a number", shown(word))
 }
 
 /// Whether what follows a position is a colour other than white. Alone, a number is a weight.
@@ -176,10 +191,12 @@ mod tests {
     fn what_is_wrong_with_a_line_is_said_in_words() {
         assert!(explained("v 0 0").contains("a vertex needs 3 numbers, this has 2"));
         assert!(explained("vt # u").contains("a texture coordinate needs a number, this has 0"));
-        assert!(explained("v 0 nan 0").contains("`nan` is not a number from -1e9 to 1e9"));
+        assert!(explained("v 0 nan 0").contains("`nan` is not a number from -1e12 to 1e12"));
         assert!(explained("v 0 -inf 0").contains("`-inf`"));
-        assert!(explained("v 0 1e10 0").contains("`1e10`"));
+        assert!(explained("v 0 1e13 0").contains("`1e13`"));
         assert!(explained("vn 0 1.#QNAN 0").contains("`1.#QNAN` is not a number"));
         assert!(explained("v 0 x\u{fc} 0").contains("is not a number"));
+        let far = too_far(b"v 5e9 0 0\nvt 1e12\nv 5e9 -2e9 0", DVec3::X * 5e9);
+        assert!(far.line == 3 && format!("{far:?}").contains("1e9"), "{far:?}");
     }
 }

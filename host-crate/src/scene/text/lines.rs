@@ -63,9 +63,12 @@ fn trimmed(line: &[u8]) -> &[u8] {
 }
 
 /// A line that goes on in the next one, without its `\`. A comment does not: paths of folders end
-/// in `\`.
+/// in `\`. Nor does a name in Shift-JIS or GBK, where that byte may be half of a character.
 fn continued(line: &[u8]) -> Option<&[u8]> {
     let start = line.strip_suffix(b"\\")?;
+    if start.last().is_some_and(|&byte| byte > 0x80) && std::str::from_utf8(start).is_err() {
+        return None;
+    }
     let has_comment = start.starts_with(b"#")
         || start.windows(2).any(|pair| pair[0].is_ascii_whitespace() && pair[1] == b'#');
     (!has_comment).then_some(start)
@@ -144,6 +147,9 @@ mod tests {
             let text = format!("f 1 \\{end} 2 \\ {end}3{end}v 1\\{end}\\{end}");
             assert_eq!(lines(&text), numbered(&[(1, "f 1  2  3"), (4, "v 1")]));
         }
+        let japanese = Lines::new(b"usemtl \x95\\\nf 1").collect::<Vec<_>>();
+        assert_eq!(japanese, [(1, b"usemtl \x95\\".into()), (2, b"f 1".into())]);
+        assert_eq!(lines("usemtl \u{e9}\\\nf"), numbered(&[(1, "usemtl \u{e9} f")]));
         let comments = "# from C:\\models\\\nv 1 # x \\\nv 2\\";
         let expected = [(1, "# from C:\\models\\"), (2, "v 1 # x \\"), (3, "v 2")];
         assert_eq!(lines(comments), numbered(&expected));

@@ -6,4 +6,4 @@ mod name;
 
 pub(super) use encoding::plain_text;
 pub(super) use lines::{Lines, split_keyword, words};
-pub(super) use name::Name;
+pub(super) use name::{Name, shown};

@@ -32,6 +32,13 @@ impl fmt::Display for Name {
     }
 }
 
+/// A word for a message: the start of one that is long.
+pub(in crate::scene) fn shown(word: &[u8]) -> String {
+    const LONGEST: usize = 60;
+    let more = if word.len() > LONGEST { "..." } else { "" };
+    format!("{}{more}", word[..word.len().min(LONGEST)].escape_ascii())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +49,6 @@ mod tests {
         assert_eq!(Name::new(b"T\xfcr").to_string(), "T\\xFCr");
         assert_eq!(Name::new(b"T\xf6r").to_string(), "T\\xF6r");
         assert_eq!(Name::new(b"a\x1b[2J").to_string(), "a\\u{1b}[2J");
+        assert_eq!(shown(&[b'x'; 1000]), format!("{}...", "x".repeat(60)));
     }
 }

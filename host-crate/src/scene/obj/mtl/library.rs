@@ -30,31 +30,46 @@ pub(super) struct Value {
     pub text: Vec<u8>,
 }
 
-/// A material that is defined once more, and the line of that.
-pub(in crate::scene) type Again = (Name, usize);
+/// Something in an MTL that does not count.
+#[derive(Debug, PartialEq)]
+pub(in crate::scene) struct Ignored {
+    /// The line, from 1.
+    pub line: usize,
+    pub key: String,
+    /// The material that it would define again; none of a key before the first material.
+    pub again: Option<Name>,
+}
 
 impl Library {
     /// Adds the materials of an MTL file, where no earlier one has them: the first definition
     /// counts. `path` is where textures are looked for.
-    pub(in crate::scene) fn add(&mut self, path: &Path, text: &[u8]) -> Vec<Again> {
-        let mut again = Vec::new();
+    pub(in crate::scene) fn add(&mut self, path: &Path, text: &[u8]) -> Vec<Ignored> {
+        let mut ignored = Vec::new();
         let mut current: Option<Entry> = None;
-        for (number, line) in Lines::new(text) {
-            let (key, rest) = split_keyword(&line);
+        let mut is_before_all = true;
+        for (line, statement) in Lines::new(text) {
+            let (key, rest) = split_keyword(&statement);
+            if key.is_empty() || key[0] == b'#' {
+                continue;
+            }
+            let shown = || Name::new(key).to_string();
             if key.eq_ignore_ascii_case(b"newmtl") {
+                is_before_all = false;
                 self.keep(current.take());
                 let name = Name::new(rest);
                 if self.materials.contains_key(&name) {
-                    again.push((name, number));
+                    ignored.push(Ignored { line, key: shown(), again: Some(name) });
                 } else {
                     current = Some(Entry { path: path.to_owned(), name, keys: HashMap::new() });
                 }
             } else if let Some(entry) = &mut current {
-                entry.add(number, key, rest);
+                entry.add(line, key, rest);
+            } else if is_before_all {
+                ignored.push(Ignored { line, key: shown(), again: None });
             }
         }
         self.keep(current);
-        again
+        ignored
     }
 
     fn keep(&mut self, entry: Option<Entry>) {
@@ -82,7 +97,7 @@ impl Entry {
         let end = if is_name || !rest.starts_with(b"#") { rest.len() } else { 0 };
         let text = rest[..end].to_vec();
         let key = String::from_utf8_lossy(key).into_owned();
-        if !text.is_empty() && !key.starts_with('#') {
+        if !text.is_empty() {
             self.keys.insert(key.to_lowercase(), Value { line, key, text });
         }
     }
@@ -109,8 +124,11 @@ mod tests {
     #[test]
     fn the_first_definition_counts() {
         let mut library = Library::default();
-        let again = library.add(Path::new("a"), b"NewMtl x\nKd 1\nKd 2\nnewmtl x\nKd 3\nNs 1\n");
-        assert_eq!(again, [(Name::new(b"x"), 4)]);
+        let text = b"Ns 5\n# a\nNewMtl x\nKd 1\nKd 2\nnewmtl x\nKd 3\nNs 1\n";
+        let ignored = library.add(Path::new("a"), text);
+        let ignored_at = |line, key: &str, again| Ignored { line, key: key.into(), again };
+        let again = ignored_at(6, "newmtl", Some(Name::new(b"x")));
+        assert_eq!(ignored, [ignored_at(1, "Ns", None), again]);
         assert_eq!(library.add(Path::new("b"), b"newmtl y\nKd 5\nnewmtl x\nKd 4").len(), 1);
         assert_eq!((kd(&library, b"x"), kd(&library, b"y")), (Some("2"), Some("5")));
         assert!(!library.materials[&Name::new(b"x")].keys.contains_key("ns"));

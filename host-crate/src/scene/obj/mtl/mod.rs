@@ -8,5 +8,5 @@ mod rules;
 mod values;
 mod without_effect;
 
-pub(in crate::scene) use library::Library;
+pub(in crate::scene) use library::{Ignored, Library};
 pub(in crate::scene) use rules::{DEFAULT, Describer};

@@ -118,6 +118,10 @@ impl Describer<'_> {
         if let Some(found) = find(statement.file) {
             return Some((statement, found));
         }
+        let comment = statement.file.windows(2).position(|pair| pair == b" #" || pair == b"\t#");
+        if let Some(found) = comment.and_then(|start| find(&statement.file[..start])) {
+            return Some((statement, found));
+        }
         let last = statement.file.rsplit(u8::is_ascii_whitespace).next()?;
         let found = find(last).filter(|_| statement.file.starts_with(b"-"))?;
         let mut statement = MapStatement { file: last, ..statement };

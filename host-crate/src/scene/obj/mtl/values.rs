@@ -3,7 +3,7 @@
 use super::library::Entry;
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
-use crate::scene::text::words;
+use crate::scene::text::{shown, words};
 use glam::Vec3;
 
 /// A share of light may be out of [0, 1] by this: exporters round.
@@ -66,9 +66,9 @@ impl Entry {
 
     fn parse(&self, key: &str, word: &[u8]) -> Result<f64, SceneError> {
         let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-        number.filter(|number: &f64| number.is_finite()).ok_or_else(|| {
-            self.error(key, format!("`{}` is not a finite number", word.escape_ascii()))
-        })
+        number
+            .filter(|number: &f64| number.is_finite())
+            .ok_or_else(|| self.error(key, format!("`{}` is not a finite number", shown(word))))
     }
 
     /// What is wrong with the value of a key.

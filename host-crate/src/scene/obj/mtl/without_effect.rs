@@ -41,7 +41,7 @@ impl Entry {
             "ke" => lost(self.is_spectrum("ke"), Fate::WithoutEffect),
             "ns" => lost(self.shines(surface), Fate::WithoutEffect),
             "d" => lost(!is_glass && values.last().is_some_and(|&d| d < 1.0), Fate::Opaque),
-            "tr" => lost(!is_glass && self.says_see_through(&values), Fate::Opaque),
+            "tr" => self.fate_of_transparency(&values).filter(|_| !is_glass),
             "tf" => lost(is_glass && !is_one, Fate::Unfiltered),
             "pr" => lost(!is_one || surface != Surface::Paint, Fate::WithoutEffect),
             "map_kd" => lost(surface != Surface::Paint, Fate::WithoutEffect),
@@ -66,10 +66,15 @@ impl Entry {
         reflects && !(is_sharp && surface != Surface::Paint)
     }
 
-    /// Whether `Tr` is a sign of what is not opaque; where `d` stands beside it, that counts.
-    fn says_see_through(&self, transparency: &[f64]) -> bool {
-        let is_above_zero = transparency.iter().any(|&value| value > 0.0);
-        is_above_zero && self.hints("d").is_empty()
+    /// What becomes of `Tr`: where `d` stands beside it, that counts.
+    fn fate_of_transparency(&self, values: &[f64]) -> Option<Fate> {
+        let transparency = *values.first()?;
+        match self.hints("d").last() {
+            None => (transparency > 0.0).then_some(Fate::Opaque),
+            Some(opacity) => {
+                ((opacity + transparency - 1.0).abs() > 0.01).then_some(Fate::WithoutEffect)
+            }
+        }
     }
 
     fn fate_of_model(&self, surface: Surface) -> Option<Fate> {
