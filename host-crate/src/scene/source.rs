@@ -2,7 +2,6 @@
 
 use super::error::SceneError;
 use super::text::Name;
-use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
@@ -113,7 +112,7 @@ fn spellings(name: &[u8]) -> Vec<PathBuf> {
 #[cfg(unix)]
 fn raw_path(name: &[u8]) -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt;
-    Some(PathBuf::from(OsStr::from_bytes(name)))
+    Some(PathBuf::from(std::ffi::OsStr::from_bytes(name)))
 }
 
 /// The path of these bytes, where paths are bytes.

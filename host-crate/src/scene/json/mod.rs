@@ -44,10 +44,14 @@ pub(super) fn load_from(
     options: LoadOptions,
 ) -> Result<Scene, SceneError> {
     let text = &source.read(path, options.text_bytes())?;
-    // Beside `/dev/stdin` and its like there is nothing.
-    let is_stream = path.starts_with("/dev") || path.starts_with("/proc");
-    let folder = if is_stream { Path::new("") } else { parent(path) };
+    let folder = if is_descriptor(path) { Path::new("") } else { parent(path) };
     load_text(source, SceneText { path, folder, text }, options)
+}
+
+/// Whether a path is one of the program's open files: beside `/dev/stdin` there are no files.
+fn is_descriptor(path: &Path) -> bool {
+    let of_process = path.starts_with("/proc") && parent(path).ends_with("fd");
+    path == Path::new("/dev/stdin") || path.starts_with("/dev/fd") || of_process
 }
 
 /// Loads a scene from the text of its scene file.
@@ -142,5 +146,20 @@ fn check_overrides(path: &Path, file: &SceneFile, obj: &Obj) -> Result<(), Scene
         Ok(())
     } else {
         Err(SceneError::UnknownMaterials { path: path.to_owned(), names, used })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_open_files_have_no_folder() {
+        for path in ["/dev/stdin", "/dev/fd/63", "/proc/self/fd/0"] {
+            assert!(is_descriptor(Path::new(path)), "{path}");
+        }
+        for path in ["/dev/shm/scene.json", "/proc/scene.json", "stdin", "fd/0"] {
+            assert!(!is_descriptor(Path::new(path)), "{path}");
+        }
     }
 }

@@ -125,7 +125,11 @@ fn append<'a>(
         let word = std::str::from_utf8(word).map_err(|_| not_a_number(word))?;
         let number: f64 = word.parse().map_err(|_| not_a_number(word.as_bytes()))?;
         if number.is_nan() || number.abs() > limit {
-            return Err(format!("`{word}` is not a number from -{limit:e} to {limit:e}"));
+            return Err(if limit < f64::MAX {
+                format!("`{word}` is not a number from -{limit:e} to {limit:e}")
+            } else {
+                format!("`{word}` is not a finite number")
+            });
         }
         text.push(' ');
         text.push_str(word);
@@ -194,6 +198,7 @@ mod tests {
         assert!(explained("v 0 nan 0").contains("`nan` is not a number from -1e12 to 1e12"));
         assert!(explained("v 0 -inf 0").contains("`-inf`"));
         assert!(explained("v 0 1e13 0").contains("`1e13`"));
+        assert!(explained("vn 0 nan 0").contains("`nan` is not a finite number"));
         assert!(explained("vn 0 1.#QNAN 0").contains("`1.#QNAN` is not a number"));
         assert!(explained("v 0 x\u{fc} 0").contains("is not a number"));
         let far = too_far(b"v 5e9 0 0\nvt 1e12\nv 5e9 -2e9 0", DVec3::X * 5e9);
