@@ -16,8 +16,8 @@ pub enum SceneError {
     },
     /// A file has more content than a scene may have.
     #[error(
-        "{}: has more than {}, the most that is read of such a file within the memory that a scene may take",
-        .path.display(), amount(*.limit)
+        "{}: has more than {}, the most that is read of such a file within the memory that a scene \
+         may take", .path.display(), amount(*.limit)
     )]
     TooLong {
         /// The file.
@@ -26,7 +26,10 @@ pub enum SceneError {
         limit: u64,
     },
     /// A scene would take more memory than it may.
-    #[error("{}, line {line}: up to here the scene takes more than {} of memory", .path.display(), amount(*.limit))]
+    #[error(
+        "{}, line {line}: up to here the scene takes more than {} of memory",
+        .path.display(), amount(*.limit)
+    )]
     TooLarge {
         /// The OBJ file.
         path: PathBuf,
