@@ -156,14 +156,17 @@ fn textures_of_json_and_mtl() {
 }
 
 #[test]
-fn smooth_normals_need_one_at_every_corner_of_the_material() {
+fn a_missing_normal_makes_its_face_flat_and_no_other() {
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 5\nvn 0 0 0\n\
                usemtl plain\nf 1//1 2//2 3//1\nusemtl red wall\nf 1//1 2//1 3//1\nf 1//1 2 3//1\n";
     let folder =
         SceneFolder::new().with("a.obj", obj).json(|scene| scene["normals"] = json!("smooth"));
     let scene = loaded(&folder);
     assert_eq!(scene.meshes[0].normals, Some(vec![[Vec3::Z, Vec3::ZERO, Vec3::Z]]));
-    assert_eq!(scene.meshes[1].normals, None);
+    assert_eq!(scene.meshes[1].normals, Some(vec![[Vec3::Z; 3]]));
+    assert_eq!((scene.meshes[2].normals.as_ref(), scene.meshes[2].triangles.len()), (None, 1));
+    assert_eq!(scene.meshes[1].material, scene.meshes[2].material);
+    assert!(scene.warnings[1].contains("flat: 1, the first in line 10"), "{:?}", scene.warnings);
     assert!(loaded(&folder.json(|_| ())).meshes.iter().all(|mesh| mesh.normals.is_none()));
 }
 

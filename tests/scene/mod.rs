@@ -4,6 +4,7 @@
 mod bsdf;
 mod camera;
 mod errors;
+mod files;
 mod light;
 mod loading;
 mod traversal;

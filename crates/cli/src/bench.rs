@@ -3,7 +3,7 @@
 use super::convergence::{self, ConvergenceArguments};
 use super::ending::{CliError, Ending};
 use super::integrators::{self, IntegratorsArguments};
-use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
+use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
 use super::output::print_line;
 use clap::{Args, Subcommand};
 use raystream::exec::device::Device;
@@ -93,7 +93,7 @@ impl CommonArguments {
     ) -> Result<(), CliError> {
         let device = self.device.open()?;
         for name in &self.scenes {
-            let mut scene = load_scene(name)?;
+            let mut scene = self.settings.load_scene(name)?;
             scene.film = size.unwrap_or(scene.film);
             let settings = self.settings.settings(&scene);
             print_line(&format!(

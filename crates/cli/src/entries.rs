@@ -1,7 +1,7 @@
 //! Scenes to measure, each with the size of its picture, and the report on all of them.
 
 use super::ending::CliError;
-use super::options::{SettingsArguments, load_scene, parse_size};
+use super::options::{SettingsArguments, parse_size};
 use super::output::print_line;
 use super::render::file_stem;
 use raystream::exec::device::Device;
@@ -31,7 +31,7 @@ pub struct Loaded {
 pub fn load(entries: &[Entry], arguments: &SettingsArguments) -> Result<Vec<Loaded>, CliError> {
     let mut scenes: Vec<Loaded> = Vec::new();
     for entry in entries {
-        let mut scene = load_scene(&entry.scene)?;
+        let mut scene = arguments.load_scene(&entry.scene)?;
         let settings = arguments.settings(&scene);
         let settings = Settings { size: entry.size.unwrap_or(settings.size), ..settings };
         scene.film = settings.size;

@@ -3,6 +3,7 @@
 use raystream::exec::ExecError;
 use raystream::render::RenderError;
 use raystream::render::integrator::lvc;
+use raystream::scene::SceneError;
 use raystream_bench::BenchError;
 use std::error::Error;
 
@@ -15,6 +16,9 @@ pub fn with_hint(error: &(dyn Error + 'static)) -> String {
 }
 
 fn hint(error: &(dyn Error + 'static)) -> Option<&'static str> {
+    if let Some(SceneError::TooLong { .. } | SceneError::TooLarge { .. }) = error.downcast_ref() {
+        return Some("--max-memory allows more");
+    }
     match device_error(error)? {
         ExecError::NoSuchDevice { .. } => Some("`raystream devices` lists them"),
         ExecError::OutOfMemory { label, .. } | ExecError::TooLarge { label, .. }

@@ -15,6 +15,7 @@ mod ending;
 mod entries;
 mod hints;
 mod integrators;
+mod loading;
 mod options;
 mod output;
 mod progress;

@@ -1,7 +1,7 @@
 //! Options that several commands share, and how their values are read.
 
 use super::choices::choice;
-use super::output::say;
+use super::loading::LoadArguments;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use raystream::exec::ExecError;
@@ -9,7 +9,7 @@ use raystream::exec::device::{Device, OpenOptions};
 use raystream::render::{
     BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, RenderError, Sampling, Settings,
 };
-use raystream::scene::{self, FilmSize, Scene, SceneError};
+use raystream::scene::{FilmSize, Scene, SceneError};
 use raystream_shaders::integrator::lvc::MAX_CONNECTIONS;
 use raystream_shaders::scene::ray::OFFSET_ROUNDINGS;
 use std::path::Path;
@@ -107,6 +107,8 @@ pub struct SettingsArguments {
     /// How carefully to build the acceleration structure: fast suits previews of large scenes.
     #[arg(long, value_parser = choice::<BvhQuality>(), default_value_t)]
     bvh: BvhQuality,
+    #[command(flatten)]
+    load: LoadArguments,
 }
 
 /// Light paths of a round, at most: as many as a stream has slots.
@@ -130,6 +132,11 @@ impl SettingsArguments {
     /// The integrator.
     pub fn integrator(&self) -> IntegratorKind {
         self.integrator
+    }
+
+    /// Loads a scene; see [`LoadArguments::load_scene`].
+    pub fn load_scene(&self, name: &Path) -> Result<Scene, SceneError> {
+        self.load.load_scene(name)
     }
 
     /// The settings for `scene`.
@@ -177,19 +184,6 @@ impl SettingsArguments {
         }
         pairs
     }
-}
-
-/// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; prints
-/// its warnings.
-pub fn load_scene(name: &Path) -> Result<Scene, SceneError> {
-    let scene = match name.to_str().filter(|text| !text.contains(['/', '\\', '.'])) {
-        Some(shipped) => scene::load_named(shipped)?,
-        None => scene::load(name)?,
-    };
-    for warning in &scene.warnings {
-        say(&format!("warning: {warning}"));
-    }
-    Ok(scene)
 }
 
 /// A size as `800x600`.

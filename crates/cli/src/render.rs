@@ -3,11 +3,12 @@
 use super::choices::choice;
 use super::ending::{CliError, Ending, INTERRUPTED};
 use super::hints::with_hint;
-use super::options::{DeviceArguments, SettingsArguments, load_scene, parse_seconds};
+use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
 use super::output::{self, is_same_file, rate};
 use super::progress::ProgressDisplay;
 use super::sampling::{SamplingArguments, describe};
 use clap::Args;
+use glam::Vec3;
 use raystream::exec::device::Device;
 use raystream::film::Film;
 use raystream::image::{self, Display, Format, ToneMap};
@@ -25,7 +26,8 @@ use std::time::{Duration, Instant};
 /// The options of `raystream render`.
 #[derive(Args)]
 pub struct RenderArguments {
-    /// A scene file, or the name of a scene that ships (see `raystream scenes`).
+    /// A scene file, the name of a scene that ships (see `raystream scenes`), or - for a scene file
+    /// on standard input, whose paths start from the working folder.
     #[arg(default_value = DEFAULT_SCENE)]
     scene: PathBuf,
     /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be
@@ -74,10 +76,15 @@ const MAX_STEM: usize = 60;
 /// Samples per pixel where nothing is asked for.
 const DEFAULT_SAMPLES: u32 = 64;
 
+/// What to say of a picture without any light.
+const BLACK: &str = "the picture is black: no path met light that shines towards it. A quad shines \
+    on the side of cross(u, v), an emissive material on the front of its triangles; a lamp may be \
+    turned away, or behind a wall, or the camera may be enclosed.";
+
 /// Renders a scene and writes the pictures.
 pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let interrupted = catch_interrupt()?;
-    let scene = load_scene(&arguments.scene)?;
+    let scene = arguments.settings.load_scene(&arguments.scene)?;
     let outputs = arguments.outputs(&scene.name);
     check_outputs(&outputs, arguments.png_layers)?;
     let device = arguments.device.open()?;
@@ -102,6 +109,9 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let (film, outcome) =
         render_film(&device, &prepared, &settings, budget, &interrupted, &mut display)?;
     arguments.say(&summary(&outcome, &film));
+    if outcome.paths > 0 && film.radiance.iter().all(|pixel| pixel.sum == Vec3::ZERO) {
+        output::say(&format!("warning: {BLACK}"));
+    }
 
     let mut header = vec![
         ("scene".to_owned(), name),

@@ -8,6 +8,9 @@ use std::ops::RangeInclusive;
 
 /// Coordinates go up to this: beyond, squares of areas overflow an f32.
 pub(super) const MAX_COORDINATE: f64 = 1e9;
+/// Positions in files go up to this, before scenes far from the origin are brought near: an f64
+/// has a thousandth left of them.
+pub(super) const MAX_PLACE: f64 = 1e12;
 /// Radiances go up to this: beyond, sums of squares over a picture overflow an f32.
 const MAX_RADIANCE: f64 = 1e12;
 /// Pictures have at most this many pixels a side, so that all of them are numbered by a u32.
@@ -22,6 +25,11 @@ pub(super) const MAX_TEXELS: usize = 1 << 28;
 /// A position or a direction in world units.
 pub(super) fn coordinates(values: &[f64]) -> Result<DVec3, String> {
     triple(values, -MAX_COORDINATE..=MAX_COORDINATE)
+}
+
+/// A position as a file has it.
+pub(super) fn place(values: &[f64]) -> Result<DVec3, String> {
+    triple(values, -MAX_PLACE..=MAX_PLACE)
 }
 
 /// A share of light: linear Rec.709, each component in [0, 1].

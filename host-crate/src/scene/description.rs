@@ -35,6 +35,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// What the user should know of (no light, dropped triangles ...), one sentence each.
     pub warnings: Vec<String>,
+    /// Each thing that a file says and the picture does not show: what `warnings` sum up.
+    pub details: Vec<String>,
 }
 
 impl Scene {
@@ -52,6 +54,7 @@ impl Scene {
             materials: Vec::new(),
             textures: Vec::new(),
             warnings: Vec::new(),
+            details: Vec::new(),
         }
     }
 

@@ -7,12 +7,44 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum SceneError {
     /// A file is there but cannot be read, or the scene file itself is not there.
-    #[error("{}: cannot be read: {source}", .path.display())]
+    #[error("{}: cannot be read: {}", .path.display(), why(.source))]
     Read {
         /// The file.
         path: PathBuf,
         /// What the system says.
         source: std::io::Error,
+    },
+    /// A file has more content than a scene may have.
+    #[error(
+        "{}: has more than {}, the most that is read of such a file within the memory that a scene \
+         may take", .path.display(), amount(*.limit)
+    )]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// The most bytes of it that are read.
+        limit: u64,
+    },
+    /// A scene would take more memory than it may.
+    #[error(
+        "{}, line {line}: up to here the scene takes more than {} of memory",
+        .path.display(), amount(*.limit)
+    )]
+    TooLarge {
+        /// The OBJ file.
+        path: PathBuf,
+        /// The line, from 1, that is one too many.
+        line: usize,
+        /// The memory that it may take, in bytes.
+        limit: u64,
+    },
+    /// A file is of another kind than it should be.
+    #[error("{}: {what}", .path.display())]
+    WrongKind {
+        /// The file.
+        path: PathBuf,
+        /// What it is, and what it should be.
+        what: String,
     },
     /// The scene file is not JSON, or a key is missing, unknown, of the wrong type or out of range.
     #[error("{}: {}{source}", .path.display(), in_key(.key))]
@@ -56,6 +88,16 @@ pub enum SceneError {
         key: String,
         /// The file that it names.
         wanted: PathBuf,
+    },
+    /// The scene file names a folder where a file should be.
+    #[error("{}: key `{key}`: {} is a folder; name a file in it", .path.display(), .folder.display())]
+    Folder {
+        /// The scene file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// The folder that it names.
+        folder: PathBuf,
     },
     /// The scene file overrides materials that no face of the OBJ has.
     #[error("{}: key `materials`: the OBJ has no face of {}; it uses {}", .path.display(), list(.names), list(.used))]
@@ -126,19 +168,6 @@ pub enum SceneError {
         /// The most texels that a scene may have.
         limit: usize,
     },
-    /// A material has a texture, but not all of its faces have texture coordinates.
-    #[error(
-        "{}: material `{material}` has the texture {} but corners without texture coordinates (vt); add them, or \
-         override the material in the scene file", .path.display(), .texture.display()
-    )]
-    NoTextureCoordinates {
-        /// The OBJ file.
-        path: PathBuf,
-        /// The material.
-        material: String,
-        /// Its texture.
-        texture: PathBuf,
-    },
     /// No scene of that name ships with the program.
     #[error("no scene is called `{name}`; there are {}, or give the path of a scene file", list(.known))]
     UnknownName {
@@ -149,8 +178,29 @@ pub enum SceneError {
     },
 }
 
+/// What the system says; of a folder, what to do.
+fn why(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::IsADirectory => "it is a folder; name a file in it".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
 fn in_key(key: &str) -> String {
     if key.is_empty() { String::new() } else { format!("key `{key}`: ") }
+}
+
+/// A number of bytes, as people say it.
+fn amount(bytes: u64) -> String {
+    let units = [(30, "GiB"), (20, "MiB"), (10, "KiB")];
+    let whole = units.into_iter().find(|(shift, _)| bytes >= 1 << shift);
+    whole.map_or_else(
+        || format!("{bytes} bytes"),
+        |(shift, unit)| {
+            let digits = usize::from(!bytes.is_multiple_of(1 << shift));
+            format!("{:.digits$} {unit}", bytes as f64 / f64::from(1 << shift))
+        },
+    )
 }
 
 /// At most this many names go into a message.

@@ -2,26 +2,28 @@
 
 use super::bounds::{MAX_TEXELS, MAX_TEXTURE_SIDE};
 use super::error::SceneError;
+use super::load::LoadOptions;
 use super::source::Source;
 use super::texture::{Texture, TextureId};
-use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, RgbaImage};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// Memory that decoding one texture may take, in bytes.
-const MAX_DECODING_BYTES: u64 = 4 << 30;
-
 /// The textures of a scene as they are gathered.
-#[derive(Default)]
 pub(super) struct Pictures {
     /// In the order in which they were first asked for.
     pub textures: Vec<Texture>,
     texels: usize,
     loaded: HashMap<PathBuf, TextureId>,
+    options: LoadOptions,
 }
 
 impl Pictures {
+    pub(super) fn new(options: LoadOptions) -> Self {
+        Self { textures: Vec::new(), texels: 0, loaded: HashMap::new(), options }
+    }
+
     /// The texture in a picture file, which is read on the first call.
     pub(super) fn load(
         &mut self,
@@ -31,38 +33,51 @@ impl Pictures {
         if let Some(&id) = self.loaded.get(path) {
             return Ok(id);
         }
-        let picture = decode(path, source.read(path)?)?;
+        let bytes = source.read(path, self.options.picture_bytes())?;
+        let picture = self.decode(path, bytes)?;
         let (width, height) = picture.dimensions();
         self.texels += width as usize * height as usize;
-        if self.texels > MAX_TEXELS {
-            return Err(SceneError::TooManyTexels { path: path.to_owned(), limit: MAX_TEXELS });
-        }
         let id = TextureId(self.textures.len() as u32);
         let texels = picture.pixels().map(|texel| texel.0).collect();
         self.textures.push(Texture { width, height, texels });
         self.loaded.insert(path.to_owned(), id);
         Ok(id)
     }
-}
 
-fn decode(path: &Path, bytes: Vec<u8>) -> Result<image::RgbaImage, SceneError> {
-    let fail = |source: ImageError| SceneError::Texture { path: path.to_owned(), source };
-    // By content; by name only what has no signature (TGA).
-    let mut reader =
-        ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| fail(e.into()))?;
-    if let (None, Ok(format)) = (reader.format(), ImageFormat::from_path(path)) {
-        reader.set_format(format);
+    /// Whether any texel of a texture is to be seen through.
+    pub(super) fn has_alpha(&self, texture: TextureId) -> bool {
+        self.textures[texture.0 as usize].texels.iter().any(|texel| texel[3] < 255)
     }
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_TEXTURE_SIDE);
-    limits.max_image_height = Some(MAX_TEXTURE_SIDE);
-    limits.max_alloc = Some(MAX_DECODING_BYTES);
-    reader.limits(limits);
-    match reader.decode().map_err(fail)? {
-        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
-            Err(SceneError::LinearTexture { path: path.to_owned() })
+
+    fn decode(&self, path: &Path, bytes: Vec<u8>) -> Result<RgbaImage, SceneError> {
+        let fail = |source: ImageError| SceneError::Texture { path: path.to_owned(), source };
+        // By content; by name only what has no signature (TGA).
+        let mut reader = ImageReader::new(Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|error| fail(error.into()))?;
+        if let (None, Ok(format)) = (reader.format(), ImageFormat::from_path(path)) {
+            reader.set_format(format);
         }
-        picture => Ok(picture.into_rgba8()),
+        let mut limits = Limits::default();
+        limits.max_image_width = Some(MAX_TEXTURE_SIDE);
+        limits.max_image_height = Some(MAX_TEXTURE_SIDE);
+        limits.max_alloc = Some(self.options.max_memory / 2);
+        reader.limits(limits.clone());
+        let mut decoder = reader.into_decoder().map_err(fail)?;
+        // Before it is decoded: a small file may hold a large picture.
+        let (width, height) = decoder.dimensions();
+        limits.check_dimensions(width, height).map_err(fail)?;
+        limits.reserve(decoder.total_bytes()).map_err(fail)?;
+        if self.texels + width as usize * height as usize > MAX_TEXELS {
+            return Err(SceneError::TooManyTexels { path: path.to_owned(), limit: MAX_TEXELS });
+        }
+        decoder.set_limits(limits).map_err(fail)?;
+        match DynamicImage::from_decoder(decoder).map_err(fail)? {
+            DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+                Err(SceneError::LinearTexture { path: path.to_owned() })
+            }
+            picture => Ok(picture.into_rgba8()),
+        }
     }
 }
 
@@ -78,10 +93,26 @@ mod tests {
         // Red above blue.
         let picture = image::RgbImage::from_raw(1, 2, vec![255, 0, 0, 0, 0, 128]).unwrap();
         picture.save(&path).unwrap();
-        let mut pictures = Pictures::default();
+        let mut pictures = Pictures::new(LoadOptions::default());
         assert_eq!(pictures.load(&Disk, &path).unwrap(), TextureId(0));
         assert_eq!(pictures.load(&Disk, &path).unwrap(), TextureId(0));
         let texels = vec![[255, 0, 0, 255], [0, 0, 128, 255]];
         assert_eq!(pictures.textures, [Texture { width: 1, height: 2, texels }]);
+    }
+
+    #[test]
+    fn a_picture_too_large_is_refused_before_it_is_decoded() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("large.bmp");
+        image::RgbImage::new(1, 1).save(&path).unwrap();
+        let mut bytes = std::fs::read(&path).unwrap();
+        // The header promises 16384x16384 pixels.
+        bytes[18..26].copy_from_slice(&[0, 0x40, 0, 0, 0, 0x40, 0, 0]);
+        std::fs::write(&path, bytes).unwrap();
+        let mut pictures = Pictures::new(LoadOptions { max_memory: 64 << 20 });
+        let error = pictures.load(&Disk, &path).unwrap_err().to_string();
+        assert!(error.contains("large.bmp") && error.contains("limit"), "{error}");
+        let mut full = Pictures { texels: MAX_TEXELS, ..Pictures::new(LoadOptions::default()) };
+        assert!(full.load(&Disk, &path).unwrap_err().to_string().contains("texels"));
     }
 }

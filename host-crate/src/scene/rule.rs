@@ -1,6 +1,8 @@
 //! What a file says that a material is, before its texture is read.
 
 use super::material::Material;
+use super::obj::texture_map::TextureMap;
+use glam::Vec3;
 use std::path::PathBuf;
 
 /// What a file says that a material is.
@@ -8,8 +10,30 @@ use std::path::PathBuf;
 pub(super) enum MaterialRule {
     /// Not there: its triangles are left out.
     Null,
-    /// Diffuse, with the picture in this file as its reflectance.
-    Textured(PathBuf),
+    /// Diffuse, with a picture as its reflectance.
+    Textured(TexturedRule),
     /// All that it is.
     Plain(Material),
+}
+
+/// What a file says of a texture.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TexturedRule {
+    /// The picture file.
+    pub path: PathBuf,
+    /// Where it lies on the surface.
+    pub map: TextureMap,
+    /// What takes its place if it cannot be read. By a scene file that is an error.
+    pub otherwise: Option<Otherwise>,
+}
+
+/// What an MTL says besides a texture.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Otherwise {
+    /// The MTL.
+    pub mtl: PathBuf,
+    /// The line that names the texture.
+    pub line: usize,
+    /// The colour of the material, linear Rec.709.
+    pub reflectance: Vec3,
 }

@@ -3,6 +3,7 @@
 use super::description::Scene;
 use super::error::SceneError;
 use super::json::load_from;
+use super::load::{LoadOptions, load_named};
 use super::source::{Disk, Source};
 use std::path::{Component, Path, PathBuf};
 
@@ -81,14 +82,10 @@ pub fn shipped() -> &'static [ShippedScene] {
 }
 
 /// Loads the scene that ships under the name `name`.
-///
-/// # Errors
-///
-/// When there is no such scene, or when its geometry must be fetched first and `SCENES_DIR` does
-/// not lead to it.
-pub fn load_named(name: &str) -> Result<Scene, SceneError> {
+pub(super) fn load(name: &str, options: LoadOptions) -> Result<Scene, SceneError> {
     if SHIPPED.iter().any(|scene| scene.name == name) {
-        load_from(&BuiltIn, &Path::new(ROOT).join(name).join(name).with_extension("json"))
+        let path = Path::new(ROOT).join(name).join(name).with_extension("json");
+        load_from(&BuiltIn, &path, options)
     } else {
         let known = SHIPPED.iter().map(|scene| scene.name.to_owned()).collect();
         Err(SceneError::UnknownName { name: name.to_owned(), known })
@@ -140,8 +137,8 @@ impl Source for BuiltIn {
         }
     }
 
-    fn read(&self, path: &Path) -> Result<Vec<u8>, SceneError> {
-        bytes_of(path).map_or_else(|| Disk.read(path), |bytes| Ok(bytes.to_vec()))
+    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, SceneError> {
+        bytes_of(path).map_or_else(|| Disk.read(path, limit), |bytes| Ok(bytes.to_vec()))
     }
 }
 

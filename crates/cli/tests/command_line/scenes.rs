@@ -1,9 +1,11 @@
 //! Scenes that do not load, and those that load with a warning; the library's tests know every
 //! message, here is one of each kind.
 
-use crate::program::{names, render, run};
+use crate::program::{Run, names, program, render, run};
 use raystream_tests::scene_folder::{MTL, OBJ, SceneFolder};
 use serde_json::{Value, json};
+use std::io::Write;
+use std::process::Stdio;
 
 /// Rendering the folder's scene fails with all of `parts` and leaves no new file.
 #[track_caller]
@@ -48,7 +50,7 @@ fn scene_files_that_are_wrong() {
 #[test]
 fn scene_files_that_are_no_json() {
     refused(&SceneFolder::new().without("scene.json"), &["scene.json", "cannot be read"]);
-    refused(&SceneFolder::new().with("scene.json", "v 0 0 0"), &["scene.json", "line 1"]);
+    refused(&SceneFolder::new().with("scene.json", "v 0 0 0"), &["scene.json", "is an OBJ"]);
     refused(&SceneFolder::new().with("scene.json", ""), &["scene.json"]);
     let text = std::fs::read_to_string(SceneFolder::new().path("scene.json")).unwrap();
     for number in ["NaN", "Infinity", "1e999"] {
@@ -99,7 +101,7 @@ fn textures_that_are_wrong() {
     let textured = MTL.replace("Kd 1 0 0", "map_Kd wall.png");
     let broken =
         SceneFolder::new().with("a.mtl", &textured).with("wall.png", b"\x89PNG\r\n\x1a\nbroken");
-    refused(&broken, &["wall.png", "texture"]);
+    warned(&broken, &["a.mtl", "wall.png", "cannot be read", "Kd"]);
     let override_ = |texture: &str| {
         SceneFolder::new().json(|scene| {
             scene["materials"] =
@@ -115,6 +117,68 @@ fn what_works_with_a_warning() {
     warned(&SceneFolder::new().without("a.mtl"), &["a.mtl"]);
     let degenerate = format!("{OBJ}f 1//1 1//1 2//1\n");
     warned(&SceneFolder::new().with("a.obj", degenerate), &["a.obj", "1 triangles without area"]);
+}
+
+#[test]
+fn a_scene_may_come_from_standard_input_and_from_a_file_of_any_name() {
+    let scene = SceneFolder::new();
+    let text = std::fs::read(scene.path("scene.json")).unwrap();
+    let arguments = ["render", "-", "--device", "cpu", "--spp", "1", "-o", "a.png"];
+    for name in [
+        "-",
+        #[cfg(unix)]
+        "/dev/stdin",
+    ] {
+        let mut arguments = arguments;
+        arguments[1] = name;
+        let mut run = program(&scene.path(""), &arguments)
+            .stdin(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        run.stdin.take().unwrap().write_all(&text).unwrap();
+        Run::new(run.wait_with_output().unwrap()).succeeded();
+    }
+    let scene = scene.with("noext", text);
+    render(&scene.path(""), "noext --spp 1 -o b.png").succeeded();
+    let empty = scene.with("noext", "{\"format\": 1}");
+    render(&empty.path(""), "noext").failed(&["noext: missing field `name`"]);
+}
+
+#[test]
+fn a_scene_without_end_is_refused_at_a_limit_that_an_option_sets() {
+    let scene = SceneFolder::new();
+    #[cfg(unix)]
+    render(&scene.path(""), "/dev/zero").failed(&["/dev/zero", "64 MiB", "--max-memory"]);
+    let many = scene.with("a.obj", format!("{OBJ}{}", "f 1 1 2\n".repeat(30_000)));
+    render(&many.path(""), "scene.json --max-memory 0.01 -o a.png").failed(&[
+        "a.obj, line ",
+        "10.2 MiB",
+        "--max-memory",
+    ]);
+    render(&many.path(""), "scene.json --max-memory 1 --spp 1 -o a.png").succeeded();
+    render(&many.path(""), "scene.json --max-memory 0").failed(&["'0' is not an amount"]);
+}
+
+#[test]
+fn what_is_left_out_is_summed_up_and_listed_when_asked_for() {
+    let mtl = format!("{MTL}Ns 10\nKs 1 1 1\nmap_d leaf.png\n");
+    let scene = SceneFolder::new().with("a.mtl", mtl).with("a.obj", format!("{OBJ}l 1 2\n"));
+    warned(&scene, &["a.mtl", "`Ks` of `red wall`; `Ns`", "opaque: `map_d`", "`l` (1, the first"]);
+    let run = render(&scene.path(""), "scene.json --spp 1 -v -o a.png").succeeded();
+    run.says(&["a.mtl, line 7: material `red wall`: opacity is left out"]);
+}
+
+#[test]
+fn a_lamp_that_shines_away_gives_a_hint() {
+    let scene = SceneFolder::new().json(|scene| {
+        scene["camera"]["fov_y"] = json!(5);
+        scene["camera"]["target"] = json!([0.2, 0.2, 0]);
+        scene["camera"]["origin"] = json!([0.2, 0.2, 2]);
+    });
+    warned(&scene, &["the picture is black", "cross(u, v)"]);
+    let run = render(&SceneFolder::new().path(""), "scene.json --spp 1 -o a.png").succeeded();
+    assert!(!run.stderr.contains("black"), "{}", run.stderr);
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use super::values::{Colour, Ior, Radiance};
 use crate::scene::material::Material;
-use crate::scene::rule::MaterialRule;
+use crate::scene::obj::texture_map::TextureMap;
+use crate::scene::rule::{MaterialRule, TexturedRule};
 use glam::Vec3;
 use serde::de::{MapAccess, SeqAccess, Visitor, value};
 use serde::{Deserialize, Deserializer};
@@ -64,7 +65,11 @@ impl TryFrom<MaterialKeys> for FileMaterial {
                 keys.refuse("a diffuse", &["radiance", "ior", "transmittance"])?;
                 match needed("a diffuse", "reflectance", keys.reflectance)? {
                     Albedo::Colour(Colour(colour)) => plain(Material::diffuse(colour)),
-                    Albedo::Texture(file) => Ok(Self(MaterialRule::Textured(file))),
+                    Albedo::Texture(path) => {
+                        let map = TextureMap::default();
+                        let rule = TexturedRule { path, map, otherwise: None };
+                        Ok(Self(MaterialRule::Textured(rule)))
+                    }
                 }
             }
             MaterialKind::Mirror => {

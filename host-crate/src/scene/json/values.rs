@@ -54,8 +54,10 @@ macro_rules! checked {
 }
 
 checked! {
-    /// A position or a direction in world units.
+    /// A direction in world units.
     Coordinates(DVec3) = |v: Vec<f64>| bounds::coordinates(&v), of Vec<f64> as "Vec<f64>";
+    /// A position in world units, which may be far from the origin.
+    Place(DVec3) = |v: Vec<f64>| bounds::place(&v), of Vec<f64> as "Vec<f64>";
     /// A share of light: linear Rec.709, each component in [0, 1].
     Colour(Vec3) = |v: Vec<f64>| bounds::reflectance(&v), of Vec<f64> as "Vec<f64>";
     /// Emitted light: linear Rec.709, no component negative.

@@ -1,0 +1,54 @@
+//! How commands load scenes.
+
+use super::output::say;
+use clap::Args;
+use raystream::scene::{LoadOptions, Scene, SceneError, shipped};
+use std::path::Path;
+
+/// The options that say how scenes are loaded.
+#[derive(Args)]
+pub struct LoadArguments {
+    /// Memory in GiB that loading a scene may take, by an estimate; a scene that needs more is
+    /// refused. A scene file and each MTL may have 1/128 of it, the OBJ a quarter, each texture an
+    /// eighth.
+    #[arg(long, value_name = "GIB", default_value_t = 8.0, value_parser = parse_memory)]
+    max_memory: f64,
+}
+
+impl LoadArguments {
+    /// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; `-`
+    /// is standard input. Prints its warnings.
+    pub fn load_scene(&self, name: &Path) -> Result<Scene, SceneError> {
+        let options = LoadOptions { max_memory: (self.max_memory * GIB) as u64 };
+        let scene = match name.to_str() {
+            Some("-") => options.read(&mut std::io::stdin().lock(), "<standard input>")?,
+            Some(text) if is_name(text, name) => options.load_named(text)?,
+            _ => options.load(name)?,
+        };
+        for warning in &scene.warnings {
+            say(&format!("warning: {warning}"));
+        }
+        if !scene.details.is_empty() {
+            tracing::debug!("what is left out of the scene:");
+        }
+        for detail in &scene.details {
+            tracing::debug!("{detail}");
+        }
+        Ok(scene)
+    }
+}
+
+const GIB: f64 = (1 << 30) as f64;
+
+/// Whether a text is the name of a scene that ships, or of none: a file of such a name is a file.
+fn is_name(text: &str, path: &Path) -> bool {
+    let may_be_name = !text.contains(['/', '\\', '.']);
+    may_be_name && (shipped().iter().any(|scene| scene.name == text) || !path.exists())
+}
+
+fn parse_memory(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(memory) if (0.01..=1e6).contains(&memory) => Ok(memory),
+        _ => Err(format!("'{text}' is not an amount of memory in GiB, such as 8 or 0.5")),
+    }
+}

@@ -1,0 +1,234 @@
+//! Meshes and materials of an OBJ's parts.
+
+use super::clean::Cleaner;
+use super::format::{Normals, SceneFile};
+use super::libraries;
+use super::material::FileMaterial;
+use super::names::Names;
+use super::values::Object;
+use crate::scene::bounds::MAX_COORDINATE;
+use crate::scene::description::Scene;
+use crate::scene::error::SceneError;
+use crate::scene::load::LoadOptions;
+use crate::scene::material::{Material, MaterialId};
+use crate::scene::obj::mtl::{self, Describer, Library};
+use crate::scene::obj::texture_map::TextureMap;
+use crate::scene::obj::{Obj, Part};
+use crate::scene::picture::Pictures;
+use crate::scene::rule::{MaterialRule, TexturedRule};
+use crate::scene::summary::{Fate, Summary};
+use crate::scene::text::Name;
+use crate::scene::texture::TextureId;
+use glam::DVec3;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// What it takes to make meshes of an OBJ's parts, and what is found on the way.
+pub(super) struct Parts<'a> {
+    file: &'a SceneFile,
+    names: Names<'a>,
+    obj_path: &'a Path,
+    obj_text: &'a [u8],
+    /// What is taken off all positions.
+    origin: DVec3,
+    options: LoadOptions,
+    library: Library,
+    pictures: Pictures,
+    cleaner: Cleaner,
+    summary: Summary,
+    /// The materials so far.
+    surfaces: HashMap<Name, Surface>,
+    /// The materials that no MTL describes.
+    undescribed: Vec<String>,
+}
+
+/// What the triangles of a material are made of.
+#[derive(Clone, Copy)]
+enum Surface {
+    /// Nothing: they are left out.
+    Null,
+    Plain(MaterialId),
+    Textured(Textured),
+}
+
+/// A material with a texture.
+#[derive(Clone, Copy)]
+struct Textured {
+    texture: TextureId,
+    map: TextureMap,
+    /// Of triangles with texture coordinates, and of those without.
+    materials: [Option<MaterialId>; 2],
+}
+
+impl<'a> Parts<'a> {
+    pub(super) fn new(
+        file: &'a SceneFile,
+        names: Names<'a>,
+        (obj_path, obj_text): (&'a Path, &'a [u8]),
+        origin: DVec3,
+        options: LoadOptions,
+    ) -> Self {
+        Self {
+            file,
+            names,
+            obj_path,
+            obj_text,
+            origin,
+            options,
+            library: Library::default(),
+            pictures: Pictures::new(options),
+            cleaner: Cleaner::new(file.dedupe),
+            summary: Summary::default(),
+            surfaces: HashMap::new(),
+            undescribed: Vec::new(),
+        }
+    }
+
+    /// Reads the MTL files.
+    pub(super) fn read_libraries(
+        &mut self,
+        obj: &Obj,
+        scene: &mut Scene,
+    ) -> Result<(), SceneError> {
+        self.library = libraries::read(
+            self.names.source,
+            self.obj_path,
+            &obj.libraries,
+            self.options,
+            &mut scene.warnings,
+            &mut self.summary,
+        )?;
+        Ok(())
+    }
+
+    /// Adds a part and its material.
+    pub(super) fn add(&mut self, part: &Part, scene: &mut Scene) -> Result<(), SceneError> {
+        let surface = match self.surfaces.get(&part.material) {
+            Some(surface) => *surface,
+            None => self.surface(&part.material, scene)?,
+        };
+        let (material, map, surface) = match surface {
+            Surface::Null => (None, None, surface),
+            Surface::Plain(id) => (Some(id), None, surface),
+            Surface::Textured(mut textured) => {
+                let has_coordinates = part.has_texture_coordinates;
+                let id = self.textured_material(&mut textured, part, scene);
+                (Some(id), has_coordinates.then_some(textured.map), Surface::Textured(textured))
+            }
+        };
+        self.surfaces.insert(part.material.clone(), surface);
+        let Some(material) = material else { return Ok(()) };
+        let [v, vt, vn] = part.unusable;
+        if let Some(line) = v.or(vt.filter(|_| map.is_some())).or(vn) {
+            return Err(Obj::unusable(self.obj_path, self.obj_text, line));
+        }
+        let is_near = |place: DVec3| (place - self.origin).abs().max_element() <= MAX_COORDINATE;
+        if !part.positions().all(is_near) {
+            return Err(Obj::too_far(self.obj_path, self.obj_text, self.origin));
+        }
+        let mut mesh = part.mesh(material, self.origin, map.as_ref());
+        self.cleaner.clean(&mut mesh);
+        scene.add_mesh(mesh);
+        Ok(())
+    }
+
+    /// The material of the triangles of a part: with the texture, or else of its mean colour.
+    fn textured_material(
+        &mut self,
+        textured: &mut Textured,
+        part: &Part,
+        scene: &mut Scene,
+    ) -> MaterialId {
+        let Textured { texture, materials: [with, without], .. } = textured;
+        if part.has_texture_coordinates {
+            return *with.get_or_insert_with(|| scene.add_material(Material::textured(*texture)));
+        }
+        let faces = if part.faces == 1 { "face" } else { "faces" };
+        let (line, thing) = (part.first_line, format!("{} {faces}", part.faces));
+        let name = part.material.to_string();
+        self.summary.note(self.obj_path, line, Fate::MeanOfTexture, &thing, &name);
+        let mean = self.pictures.textures[texture.0 as usize].mean();
+        *without.get_or_insert_with(|| scene.add_material(Material::diffuse(mean)))
+    }
+
+    /// What a material is, by the scene file, or else by an MTL.
+    fn surface(&mut self, name: &Name, scene: &mut Scene) -> Result<Surface, SceneError> {
+        Ok(match self.rule(name)? {
+            MaterialRule::Null => Surface::Null,
+            MaterialRule::Plain(material) => Surface::Plain(scene.add_material(material)),
+            MaterialRule::Textured(rule) => self.textured(name, &rule, scene)?,
+        })
+    }
+
+    fn rule(&mut self, name: &Name) -> Result<MaterialRule, SceneError> {
+        let obj_folder = super::parent(self.obj_path);
+        let shown = name.to_string();
+        if let Some(Object(FileMaterial(rule))) = self.file.materials.get(&shown) {
+            return self.names.with_found_texture(&shown, rule, obj_folder);
+        }
+        let describer = Describer { library: &self.library, source: self.names.source, obj_folder };
+        match describer.describe(name, &mut self.summary) {
+            Some(rule) => rule,
+            None => {
+                self.undescribed.push(shown);
+                Ok(mtl::DEFAULT)
+            }
+        }
+    }
+
+    /// A material with a texture; where an MTL names what cannot be read, its colour.
+    fn textured(
+        &mut self,
+        name: &Name,
+        rule: &TexturedRule,
+        scene: &mut Scene,
+    ) -> Result<Surface, SceneError> {
+        let (path, line) = match &rule.otherwise {
+            Some(otherwise) => (otherwise.mtl.as_path(), otherwise.line),
+            None => (self.names.scene, 0),
+        };
+        let name = name.to_string();
+        match (self.pictures.load(self.names.source, &rule.path), &rule.otherwise) {
+            (Ok(texture), _) => {
+                if self.pictures.has_alpha(texture) {
+                    let thing = format!("alpha of {}", rule.path.display());
+                    self.summary.note(path, line, Fate::Opaque, &thing, &name);
+                }
+                let materials = [None; 2];
+                Ok(Surface::Textured(Textured { texture, map: rule.map, materials }))
+            }
+            (Err(error), Some(otherwise)) => {
+                let thing = error.to_string();
+                self.summary.note(path, line, Fate::UnreadableTexture, &thing, &name);
+                let material = Material::diffuse(otherwise.reflectance);
+                Ok(Surface::Plain(scene.add_material(material)))
+            }
+            (Err(error), None) => Err(error),
+        }
+    }
+
+    /// Hands over the textures, and says what the user should know of the parts as a whole.
+    pub(super) fn finish(self, obj: &Obj, scene: &mut Scene) {
+        let path = self.obj_path.display();
+        let warnings = &mut scene.warnings;
+        if !self.undescribed.is_empty() {
+            let materials = crate::scene::error::list(&self.undescribed);
+            warnings.push(format!(
+                "{path}: no MTL describes {materials}: diffuse grey of 0.5 is used."
+            ));
+        }
+        let is_smooth = self.file.normals == Normals::Smooth;
+        warnings.extend(super::remarks::of(obj, is_smooth).map(|what| format!("{path}: {what}.")));
+        let Cleaner { degenerate, duplicates, .. } = self.cleaner;
+        if degenerate > 0 {
+            warnings.push(format!("{path}: {degenerate} triangles without area were dropped."));
+        }
+        if duplicates > 0 {
+            warnings.push(format!(
+                "{path}: {duplicates} triangles with the corners of another were dropped."
+            ));
+        }
+        self.summary.finish(scene);
+        scene.textures = self.pictures.textures;
+    }
+}

@@ -1,0 +1,69 @@
+//! Files of other kinds that are given as a scene.
+
+use crate::scene::text::{Lines, split_keyword};
+use std::path::Path;
+
+const REMEDY: &str = "a scene is a JSON file that names an OBJ, see docs/GUIDE.md";
+
+/// Kinds of files by the ends of their names.
+const BY_ENDING: [(&[&str], &str); 6] = [
+    (&["mtl"], "an MTL"),
+    (&["gltf", "glb", "fbx", "dae", "blend", "3ds", "max", "usd", "usda", "usdc", "usdz"], ""),
+    (&["ply", "stl", "off", "pbrt", "xml", "abc", "x3d"], ""),
+    (
+        &["png", "jpg", "jpeg", "exr", "hdr", "bmp", "tga", "tif", "tiff", "gif", "webp"],
+        "a picture",
+    ),
+    (&["zip", "gz", "7z", "tar", "rar"], "an archive"),
+    (&["obj"], "an OBJ"),
+];
+
+/// What a file of such a name is, and what a scene is; none if a scene may be called so.
+pub(super) fn by_ending(path: &Path) -> Option<String> {
+    let ending = path.extension()?.to_str()?;
+    let is_known =
+        |endings: &[&str]| endings.iter().any(|known| ending.eq_ignore_ascii_case(known));
+    let (_, kind) = BY_ENDING.iter().find(|(endings, _)| is_known(endings))?;
+    Some(match *kind {
+        "" => format!("is a file of another format ({ending}), not a scene; {REMEDY}"),
+        kind => format!("is {kind}, not a scene; {REMEDY}"),
+    })
+}
+
+/// What a text is that is no scene, and what a scene is; none if it may be one.
+pub(super) fn of(path: &Path, text: &[u8]) -> Option<String> {
+    match text.trim_ascii_start().first() {
+        None => Some(format!("is empty; {REMEDY}")),
+        Some(b'[' | b'"') => None,
+        Some(b'{') => by_ending(path),
+        Some(_) if looks_like_obj(text) => Some(format!("is an OBJ, not a scene; {REMEDY}")),
+        Some(_) => by_ending(path).or_else(|| Some(format!("is not JSON; {REMEDY}"))),
+    }
+}
+
+/// Whether the first statement that is no comment is one of an OBJ.
+fn looks_like_obj(content: &[u8]) -> bool {
+    let mut keywords = Lines::new(content).map(|(_, line)| split_keyword(&line).0.to_vec());
+    let first = keywords.find(|keyword| !keyword.is_empty() && !keyword.starts_with(b"#"));
+    let known: [&[u8]; 8] = [b"v", b"vt", b"vn", b"f", b"o", b"g", b"mtllib", b"usemtl"];
+    first.is_some_and(|keyword| known.contains(&keyword.as_slice()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_other_kinds_are_named() {
+        let said = |path: &str, content: &str| of(Path::new(path), content.as_bytes());
+        assert_eq!(said("a.json", "{}"), None);
+        assert_eq!(said("scene", " \n{"), None);
+        assert_eq!(said("a.json", "[1]"), None);
+        assert!(said("a.json", "hello").unwrap().starts_with("is not JSON"));
+        assert!(said("a.obj", "# x").unwrap().starts_with("is an OBJ, not a scene"));
+        assert!(said("a.txt", "# x\n\nmtllib a.mtl").unwrap().starts_with("is an OBJ"));
+        assert!(said("a.gltf", "{}").unwrap().contains("another format (gltf)"));
+        assert!(said("a.PNG", "\u{89}PNG").unwrap().starts_with("is a picture"));
+        assert!(said("a.json", " ").unwrap().starts_with("is empty"));
+    }
+}

@@ -1,0 +1,171 @@
+//! What a material is by its MTL.
+
+use super::library::{Entry, Library};
+use super::map::MapStatement;
+use crate::scene::bounds;
+use crate::scene::error::SceneError;
+use crate::scene::material::{Material, Reflectance};
+use crate::scene::rule::{MaterialRule, Otherwise, TexturedRule};
+use crate::scene::source::{Found, Source, find_foreign};
+use crate::scene::summary::{Fate, Summary};
+use crate::scene::text::Name;
+use glam::Vec3;
+use std::path::Path;
+
+/// What a material is that no MTL describes: grey.
+pub(in crate::scene) const DEFAULT: MaterialRule = MaterialRule::Plain(Material::Diffuse {
+    reflectance: Reflectance::Colour(DEFAULT_REFLECTANCE),
+});
+
+const DEFAULT_REFLECTANCE: Vec3 = Vec3::splat(0.5);
+const DEFAULT_IOR: f64 = 1.5;
+const MIRROR_MODELS: [i64; 2] = [3, 5];
+pub(super) const GLASS_MODELS: [i64; 4] = [4, 6, 7, 9];
+
+/// What kind of surface a material is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Surface {
+    Lamp,
+    Mirror,
+    Glass,
+    Paint,
+}
+
+/// Says what materials are, and notes what of them is left out.
+pub(in crate::scene) struct Describer<'a> {
+    pub library: &'a Library,
+    pub source: &'a dyn Source,
+    /// The folder of the OBJ, where textures may lie if not beside the MTL.
+    pub obj_folder: &'a Path,
+}
+
+impl Describer<'_> {
+    /// What the files say of the material `name`, if anything.
+    pub(in crate::scene) fn describe(
+        &self,
+        name: &Name,
+        summary: &mut Summary,
+    ) -> Option<Result<MaterialRule, SceneError>> {
+        let entry = self.library.get(name)?;
+        Some(self.rule(entry, summary))
+    }
+
+    fn rule(&self, entry: &Entry, summary: &mut Summary) -> Result<MaterialRule, SceneError> {
+        let surface = entry.surface()?;
+        entry.note_what_has_no_effect(surface, summary);
+        let kd = || entry.reflectance("kd", DEFAULT_REFLECTANCE);
+        let material = match surface {
+            Surface::Lamp => {
+                Material::Emissive { radiance: entry.radiance("ke")?, reflectance: kd()? }
+            }
+            Surface::Mirror => Material::mirror(entry.reflectance("ks", Vec3::ZERO)?),
+            Surface::Glass => {
+                let ior = entry.number("ni")?.unwrap_or(DEFAULT_IOR);
+                Material::glass(bounds::ior(ior).map_err(|what| entry.error("ni", what))?)
+            }
+            Surface::Paint => match self.texture(entry, summary) {
+                Some(rule) => return Ok(MaterialRule::Textured(rule)),
+                None => Material::diffuse(kd()?),
+            },
+        };
+        Ok(MaterialRule::Plain(material))
+    }
+
+    /// The texture of paint, if it names one that is there.
+    fn texture(&self, entry: &Entry, summary: &mut Summary) -> Option<TexturedRule> {
+        let value = entry.keys.get("map_kd")?;
+        let mut note = |fate, thing: &str| {
+            summary.note(&entry.path, value.line, fate, thing, &entry.name.to_string());
+        };
+        let Some((statement, found)) = self.find_texture(entry, &value.text) else {
+            note(Fate::MissingTexture, &Name::new(&value.text).to_string());
+            return None;
+        };
+        for option in &statement.without_effect {
+            note(Fate::WithoutEffect, &format!("{} {option}", value.key));
+        }
+        if found.by_its_end {
+            note(Fate::FoundByEnd, &Name::new(statement.file).to_string());
+        }
+        let reflectance = entry.reflectance("kd", DEFAULT_REFLECTANCE);
+        Some(TexturedRule {
+            path: found.path,
+            map: statement.map,
+            otherwise: Some(Otherwise {
+                mtl: entry.path.clone(),
+                line: value.line,
+                reflectance: reflectance.unwrap_or(DEFAULT_REFLECTANCE),
+            }),
+        })
+    }
+
+    /// The file that the value of a `map_` key names. Beside the MTL comes before beside the OBJ,
+    /// and all of the value before what is left of its options. The last word is tried since there
+    /// may be options that nobody knows.
+    fn find_texture<'v>(
+        &self,
+        entry: &Entry,
+        value: &'v [u8],
+    ) -> Option<(MapStatement<'v>, Found)> {
+        let folders = [entry.path.parent().unwrap_or(Path::new("")), self.obj_folder];
+        let find = |name: &[u8]| find_foreign(self.source, &folders, &Name::new(name));
+        let statement = MapStatement::parse(value);
+        if statement.file.len() < value.len()
+            && let Some(found) = find(value).filter(|found| !found.by_its_end)
+        {
+            return Some((MapStatement { file: value, ..MapStatement::default() }, found));
+        }
+        if let Some(found) = find(statement.file) {
+            return Some((statement, found));
+        }
+        let comment = statement.file.windows(2).position(|pair| pair == b" #" || pair == b"\t#");
+        if let Some(found) = comment.and_then(|start| find(&statement.file[..start])) {
+            return Some((statement, found));
+        }
+        let last = statement.file.rsplit(u8::is_ascii_whitespace).next()?;
+        let found = find(last).filter(|_| statement.file.starts_with(b"-"))?;
+        let mut statement = MapStatement { file: last, ..statement };
+        statement.without_effect.push("with unknown options".to_owned());
+        Some((statement, found))
+    }
+}
+
+impl Entry {
+    /// What kind of surface it is. Numbers of `illum` are often written without care, so paint
+    /// stays paint unless something else speaks for a mirror or for glass.
+    fn surface(&self) -> Result<Surface, SceneError> {
+        let model = self.number("illum")?.unwrap_or(2.0) as i64;
+        Ok(if self.radiance("ke")? != Vec3::ZERO {
+            Surface::Lamp
+        } else if MIRROR_MODELS.contains(&model) && self.hints("ks").iter().any(|&ks| ks != 0.0) {
+            Surface::Mirror
+        } else if GLASS_MODELS.contains(&model) && self.is_transparent() {
+            Surface::Glass
+        } else {
+            Surface::Paint
+        })
+    }
+
+    /// Whether light passes: by the opacity, or by the filter, or by an index of refraction above 1
+    /// unless a picture is painted on it. Nothing passes a filter of 0.
+    fn is_transparent(&self) -> bool {
+        let filter = self.hints("tf");
+        if !filter.is_empty() && filter.iter().all(|&share| share == 0.0) {
+            return false;
+        }
+        let refracts = self.hints("ni").first().is_some_and(|&ior| ior > 1.0 + 1e-6);
+        refracts && !self.keys.contains_key("map_kd")
+            || self.is_see_through()
+            || filter.iter().any(|&share| share != 1.0)
+    }
+
+    /// Whether `d`, or else `Tr`, says that the surface is not opaque. `Tr 1` alone is no sign:
+    /// some programs write it for what is opaque.
+    fn is_see_through(&self) -> bool {
+        match (self.hints("d").last(), self.hints("tr").first()) {
+            (Some(&opacity), _) => opacity < 1.0,
+            (None, Some(&transparency)) => transparency > 0.0 && transparency < 1.0,
+            (None, None) => false,
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Materials and textures of an MTL.
+
+use super::{SQUARE, TEXTURED, assert_same, assert_warns, folder, loaded, scene};
+use glam::{Vec2, Vec3};
+use raystream::scene::Material;
+use raystream_tests::scene_folder::MTL;
+
+#[test]
+fn paths_of_another_machine_lead_to_the_picture_beside() {
+    let right = scene(SQUARE, TEXTURED);
+    let with = |path: &str| scene(SQUARE, TEXTURED.replace("t.png", path));
+    for path in
+        ["C:\\scene\\maps\\t.png", "/srv/maps/t.png", "\\\\host\\share\\T.PNG", "../x/t.png"]
+    {
+        assert_same(&with(path), &right);
+        assert_warns(&with(path), &["a.mtl", "lead nowhere", path, "`plain`"]);
+    }
+    assert_eq!(with("\"t.png\"").warnings, [""; 0]);
+    assert_same(&with("\"t.png\""), &right);
+    assert_same(&with("-s 1 1 1 \"C:\\my maps\\t.png\""), &right);
+}
+
+#[test]
+fn options_of_a_texture_move_it() {
+    let with = |options: &str| scene(SQUARE, TEXTURED.replace("t.png", options));
+    let mapped = |change: fn(Vec2) -> Vec2| {
+        let mut right = scene(SQUARE, TEXTURED);
+        for corner in right.meshes[0].texture_coordinates.iter_mut().flatten().flatten() {
+            *corner = change(*corner);
+        }
+        right
+    };
+    assert_same(&with("-s 4 2 1 t.png"), &mapped(|uv| uv * Vec2::new(4.0, 2.0)));
+    assert_same(&with("-o 0.5 0.25 0 t.png"), &mapped(|uv| uv + Vec2::new(0.5, 0.25)));
+    assert_same(&with("-o 0.5 -s 2 t.png"), &mapped(|uv| uv * Vec2::new(2.0, 1.0) + Vec2::X / 2.0));
+    assert_eq!(with("-s 4 2 1 -clamp off t.png").warnings, [""; 0]);
+    let clamped = with("-clamp on -mm 0.1 0.5 t.png");
+    assert_warns(&clamped, &["a.mtl", "no effect", "`map_Kd -clamp`", "`map_Kd -mm`"]);
+}
+
+#[test]
+fn pictures_that_cannot_be_read_are_as_those_that_are_not_there() {
+    let gone = scene(SQUARE, TEXTURED.replace("t.png", "gone.png"));
+    assert_eq!(gone.materials, [Material::diffuse(Vec3::Y)]);
+    assert_warns(&gone, &["a.mtl", "not there", "`gone.png` of `plain`"]);
+    let contents: [&[u8]; 4] =
+        [b"GIF89a\x01\0\x01\0", b"RIFF\x04\0\0\0WEBPVP8 ", b"", b"\x89PNG\r\n\x1a\n"];
+    for content in contents {
+        let unreadable = loaded(&folder(SQUARE, TEXTURED).with("t.png", content));
+        assert_same(&unreadable, &gone);
+        assert_warns(&unreadable, &["a.mtl", "cannot be read", "t.png", "`plain`"]);
+    }
+}
+
+#[test]
+fn values_that_are_rounded_or_empty_are_no_errors() {
+    let with = |mtl: &str| scene(SQUARE, format!("newmtl plain\n{mtl}"));
+    let right = with("Kd 1 0.1 0\n");
+    assert_same(&with("Kd 1.000001 0.1 -1e-9\n"), &right);
+    assert_same(&with("Kd 1 .1 0\nillum\nKe\nNi \nmap_Kd\nTr\nd\n"), &right);
+    assert_same(&with("Kd 1 .1 0\nKe -1e-9 0 0\n"), &right);
+    assert_same(&with("Kd\n"), &with(""));
+    let lamp = with("Ke 2 1 -0.000001\nKd 1.0001 0 0\n");
+    let (radiance, reflectance) = (Vec3::new(2.0, 1.0, 0.0), Vec3::X);
+    assert_eq!(lamp.materials, [Material::Emissive { radiance, reflectance }]);
+    assert_warns(&with("Kd spectral blue.rfl 1\n"), &["no effect", "`Kd` of `plain`"]);
+}
+
+#[test]
+fn the_number_of_illum_alone_makes_no_glass_of_paint() {
+    let of = |mtl: &str| scene(SQUARE, format!("newmtl plain\nKd .8 .1 .1\n{mtl}")).materials[0];
+    let paint = Material::diffuse(Vec3::new(0.8, 0.1, 0.1));
+    for illum in [4, 6, 7, 9] {
+        for rest in [
+            "",
+            "Ni 1\n",
+            "d 1\n",
+            "Tr 0\nNi 1.0000\n",
+            "Ni 1\nTf 1 1 1\nd 1\n",
+            "Tr 1\n",
+            "Ni 1.5\nTf 0 0 0\n",
+        ] {
+            assert_eq!(of(&format!("illum {illum}\n{rest}")), paint, "{illum} {rest}");
+        }
+        let painted = of(&format!("illum {illum}\nNi 1.5\nd 1\nmap_Kd t.png\n"));
+        assert!(painted.texture().is_some(), "{painted:?}");
+        assert_eq!(of(&format!("illum {illum}\nNi 1.33\n")), Material::glass(1.33));
+        assert_eq!(of(&format!("illum {illum}\nd 0.2\n")), Material::glass(1.5));
+        assert_eq!(of(&format!("illum {illum}\nTr 0.8\nNi 1\n")), Material::glass(1.0));
+        assert_eq!(of(&format!("illum {illum}\nTf .1 .6 .1\nNi 1.5\n")), Material::glass(1.5));
+    }
+    for illum in [3, 5] {
+        assert_eq!(of(&format!("illum {illum}\n")), paint);
+        assert_eq!(of(&format!("illum {illum}\nKs 0 0 0\n")), paint);
+        assert_eq!(of(&format!("illum {illum}\nKs .9\n")), Material::mirror(Vec3::splat(0.9)));
+    }
+}
+
+#[test]
+fn what_is_left_out_is_said() {
+    let with = |mtl: &str| scene(SQUARE, format!("newmtl plain\nKd .8 .1 .1\n{mtl}"));
+    for (mtl, parts) in [
+        ("d 0\n", ["opaque", "`d` of `plain`"]),
+        ("Tr 1\n", ["opaque", "`Tr` of `plain`"]),
+        ("d 1\nTr 1\n", ["no effect", "`Tr` of `plain`"]),
+        ("map_d mask.png\n", ["opaque", "`map_d` of `plain`"]),
+        ("map_Ke glow.png\n", ["emission", "`map_Ke` of `plain`"]),
+        ("illum 4\nNi 1.5\nTf .1 .6 .1\n", ["filter", "`Tf` of `plain`"]),
+        ("Ks .9 .9 .9\nNs 200\n", ["no effect", "`Ks` of `plain`; `Ns` of `plain`"]),
+        ("map_Bump b.png\nnorm n.png\n", ["no effect", "`map_Bump` of `plain`; `norm` of `plain`"]),
+        ("Pr 0.3\nPm 1\n", ["no effect", "`Pm` of `plain`; `Pr` of `plain`"]),
+        ("Ke 1 1 1\nmap_Kd t.png\n", ["no effect", "`map_Kd` of `plain`"]),
+    ] {
+        let scene = with(mtl);
+        assert_warns(&scene, &[&["a.mtl"], parts.as_slice()].concat());
+        assert!(scene.details.iter().any(|detail| detail.contains("a.mtl, line ")), "{scene:?}");
+    }
+    let nothing =
+        "Ka 1 1 1\nKs 0 0 0\nNs 200\nd 1\nTr 0\nNi 1.5\nTf 1 1 1\nPm 0\nillum 2\nKe 0 0 0\n";
+    assert_eq!(with(nothing).warnings, [""; 0]);
+    let folder = folder(SQUARE, TEXTURED);
+    image::RgbaImage::from_pixel(1, 1, image::Rgba([1, 1, 1, 0]))
+        .save(folder.path("t.png"))
+        .unwrap();
+    assert_warns(&loaded(&folder), &["a.mtl", "opaque", "alpha of", "t.png", "`plain`"]);
+    let obj =
+        SQUARE.replace("v 2 0 0", "v 2 0 0 1 0 0") + "l 1 2\np 1\nfrob 1\ncurv 0 1 1 2\nfo 1 2 3\n";
+    let scene = scene(obj, MTL);
+    assert_warns(&scene, &["a.obj", "colours of vertices", "line 3"]);
+    assert_warns(
+        &scene,
+        &["a.obj", "not read", "`curv`", "`frob` (1, the first is line 14)", "`l`", "`p`"],
+    );
+    assert_eq!(scene.triangle_count(), 3 + 2, "fo is an old name of f");
+}
