@@ -18,46 +18,56 @@ pub struct Film {
     pub features: Vec<FeaturePixel>,
     /// What an estimator thinks of each pixel, likewise; none where no estimator ran.
     pub estimates: Option<Vec<Estimate>>,
+    /// What is to be added to the mean radiance of each pixel, likewise, so that the picture is
+    /// without bias; none where there is no control film (see
+    /// [`raystream_shaders::film::control`]).
+    pub corrections: Option<Vec<Vec3>>,
 }
 
 impl Film {
-    /// Mean radiance of each pixel, linear Rec.709; black where there is no sample.
+    /// The picture: radiance of each pixel, linear Rec.709; black where there is no sample. It is
+    /// [`Self::plain`] with the corrections added, where there are any; then a component that is
+    /// noisy and dark may be a little below 0.
     pub fn color(&self) -> Vec<Vec3> {
-        self.radiance.iter().map(|p| mean(p.sum, p.samples)).collect()
+        let plain = self.plain();
+        match &self.corrections {
+            Some(corrections) => plain.iter().zip(corrections).map(|(p, c)| p + c).collect(),
+            None => plain,
+        }
+    }
+
+    /// Mean radiance over all samples of each pixel, linear Rec.709; black where there is no
+    /// sample. Where values decide about the numbers of samples it is biased, by some percent too
+    /// dark.
+    pub fn plain(&self) -> Vec<Vec3> {
+        self.radiance.iter().map(|p| mean(p.sum(), p.samples())).collect()
     }
 
     /// Variance of each pixel's **mean**, by component: the squared standard error of
-    /// [`Self::color`]. Infinite for fewer than two samples.
+    /// [`Self::plain`]. Infinite for fewer than two samples.
     pub fn variance(&self) -> Vec<Vec3> {
         self.radiance
             .iter()
             .map(|p| {
-                if p.samples < 2 {
+                if p.samples() < 2 {
                     return Vec3::INFINITY;
                 }
-                let n = p.samples as f32;
-                let m = p.sum / n;
+                let n = p.samples() as f32;
+                let m = p.sum() / n;
                 // Rounding can take a constant pixel below zero.
                 ((p.sum_of_squares / n - m * m) / (n - 1.0)).max(Vec3::ZERO)
             })
             .collect()
     }
 
-    /// Means over the even and over the odd samples: two independent pictures.
-    pub fn halves(&self) -> [Vec<Vec3>; 2] {
-        let half = |odd: bool| {
-            self.radiance
-                .iter()
-                .map(|p| {
-                    if odd {
-                        mean(p.odd_sum, p.samples / 2)
-                    } else {
-                        mean(p.sum - p.odd_sum, p.samples.div_ceil(2))
-                    }
-                })
-                .collect()
-        };
-        [half(false), half(true)]
+    /// Means over the first and over the second half of the samples, two independent pictures;
+    /// none where no pixel has a second half. With a control film the first half is that.
+    pub fn halves(&self) -> Option<[Vec<Vec3>; 2]> {
+        self.radiance.iter().any(|p| p.second_samples > 0).then(|| {
+            let first = self.radiance.iter().map(|p| mean(p.first_sum, p.first_samples));
+            let second = self.radiance.iter().map(|p| mean(p.second_sum, p.second_samples));
+            [first.collect(), second.collect()]
+        })
     }
 
     /// Mean reflectance of the first surface; black where the camera sees none.
@@ -85,7 +95,7 @@ impl Film {
 
     /// Samples of each pixel.
     pub fn samples(&self) -> Vec<u32> {
-        self.radiance.iter().map(|p| p.samples).collect()
+        self.radiance.iter().map(FilmPixel::samples).collect()
     }
 
     /// The filtered picture, linear Rec.709; none without estimates.

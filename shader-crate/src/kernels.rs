@@ -198,10 +198,34 @@ macro_rules! for_each_kernel {
             weigh_errors[256] phased(
                 $crate::parallel::prefix::PHASES,
                 $crate::parallel::prefix::Memory
-            ) = $crate::allocator::runs::weigh_errors {
+            ) = $crate::allocator::atomic::weigh_errors {
                 uniform parameters: $crate::allocator::runs::RunParams,
                 read errors: f32,
                 read totals: $crate::allocator::error_scale::BlockErrors,
+                scatter weights: u32,
+                scatter sums: u32,
+            }
+            /// Raises the level to which pixels are filled up.
+            raise_level[256] phased(
+                $crate::allocator::deficits::PHASES,
+                $crate::allocator::deficits::Memory
+            ) = $crate::allocator::deficits::raise_level {
+                uniform parameters: $crate::allocator::deficits::DeficitParams,
+                read errors: f32,
+                read counts: u32,
+                read totals: $crate::allocator::error_scale::BlockErrors,
+                atomic levels,
+            }
+            /// Makes weights of what pixels lack.
+            weigh_deficits[256] phased(
+                $crate::parallel::prefix::PHASES,
+                $crate::parallel::prefix::Memory
+            ) = $crate::allocator::deficits::weigh_deficits {
+                uniform parameters: $crate::allocator::deficits::DeficitParams,
+                read errors: f32,
+                read counts: u32,
+                read totals: $crate::allocator::error_scale::BlockErrors,
+                read levels: u32,
                 scatter weights: u32,
                 scatter sums: u32,
             }
@@ -215,7 +239,7 @@ macro_rules! for_each_kernel {
                 read offsets: u32,
                 scatter starts: u32,
             }
-            /// Zeroes the counter of slots.
+            /// Zeroes counters.
             clear_counter[256] = $crate::allocator::atomic::clear_counter {
                 uniform parameters: $crate::film::stream::RunWindow,
                 write counter: u32,
@@ -243,8 +267,8 @@ macro_rules! for_each_kernel {
                 atomic film,
             }
             /// Copies the film's sample counts.
-            copy_counts[256] = $crate::allocator::paper::copy_counts {
-                uniform parameters: $crate::allocator::paper::PaperParams,
+            copy_counts[256] = $crate::film::accumulate::copy_counts {
+                uniform parameters: $crate::film::accumulate::CountParams,
                 read film: $crate::film::FilmPixel,
                 write counts: u32,
             }
@@ -282,6 +306,39 @@ macro_rules! for_each_kernel {
                 read slots: $crate::film::stream::Slot,
                 read contributions: $crate::glam::UVec4,
                 scatter film: $crate::film::FilmPixel,
+            }
+            /// Finds what the control film differs by.
+            control_differences[256] = $crate::film::control::control_differences {
+                uniform parameters: $crate::film::control::ControlParams,
+                read film: $crate::film::FilmPixel,
+                scatter differences: $crate::glam::Vec4,
+                scatter counts: $crate::glam::Vec4,
+            }
+            /// Makes the guides of a control film.
+            control_guides[256] = $crate::film::control::control_guides {
+                uniform parameters: $crate::film::control::ControlParams,
+                read differences: $crate::glam::Vec4,
+                write guided: $crate::glam::Vec4,
+            }
+            /// Blurs along rows or columns.
+            blur[256] = $crate::film::control::blur {
+                uniform parameters: $crate::film::control::ControlParams,
+                read values: $crate::glam::Vec4,
+                write sums: $crate::glam::Vec4,
+            }
+            /// Divides what a pixel gives.
+            control_shares[256] = $crate::film::control::control_shares {
+                uniform parameters: $crate::film::control::ControlParams,
+                read guided: $crate::glam::Vec4,
+                read blurred: $crate::glam::Vec4,
+                write shares: $crate::glam::Vec4,
+            }
+            /// Puts together what pixels are given.
+            control_corrections[256] = $crate::film::control::control_corrections {
+                uniform parameters: $crate::film::control::ControlParams,
+                read guided: $crate::glam::Vec4,
+                read blurred: $crate::glam::Vec4,
+                write corrections: $crate::glam::Vec4,
             }
             /// Makes the rays through pixel centres.
             primary_rays[256] = $crate::probe::primary_rays {
@@ -330,6 +387,7 @@ macro_rules! for_each_kernel {
             filter_errors[256] = $crate::estimator::bilateral::filter_errors {
                 uniform parameters: $crate::estimator::bilateral::FilterParams,
                 read guides: $crate::estimator::guide::Guide,
+                read film: $crate::film::FilmPixel,
                 write estimates: $crate::estimator::Estimate,
                 write errors: f32,
             }
@@ -337,6 +395,7 @@ macro_rules! for_each_kernel {
             noise_errors[256] = $crate::estimator::noise_errors {
                 uniform parameters: $crate::estimator::NoiseParams,
                 read guides: $crate::estimator::guide::Guide,
+                read film: $crate::film::FilmPixel,
                 write estimates: $crate::estimator::Estimate,
                 write errors: f32,
             }

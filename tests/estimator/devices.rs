@@ -38,7 +38,7 @@ fn estimates_are_equal_but_for_rounding() {
     let prepared = prepare(&scene);
     let settings = settings(&scene);
     let mut film = render(&prepared, &settings, 6);
-    film.radiance[700].sum.x = f32::NAN;
+    film.radiance[700].first_sum.x = f32::NAN;
     film.radiance[701].sum_of_squares.x = f32::INFINITY;
     let camera = prepared.parameters(&settings).camera;
     let variances: Vec<f32> = film.variance().iter().map(|v| v.element_sum() / 3.0).collect();

@@ -1,10 +1,12 @@
 //! From estimates to the allocators' errors, through the host's side.
 
-use super::walls::{ROUND, SAMPLES, absolute, camera, estimate, estimate_on, plain, random, wall};
+use super::walls::{
+    RAYS, ROUND, SAMPLES, absolute, camera, estimate, estimate_on, plain, random, wall,
+};
 use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::film::Film;
-use raystream::render::{EstimationSettings, Estimator, Sampling};
+use raystream::render::{AllocatorKind, EstimationSettings, Estimator, Sampling};
 use raystream_shaders::estimator::{CONVERGED, SOFT_FLOOR};
 use raystream_tests::executors::Hindered;
 
@@ -48,6 +50,24 @@ fn errors_are_reductions_of_the_estimates() {
                     half.errors.iter().filter(|&&e| e > 0.0).count() as u64
                 );
             }
+        }
+    }
+}
+
+#[test]
+fn or_deviations_of_what_a_ray_buys() {
+    let film = uneven(21, 13);
+    for estimator in ESTIMATORS {
+        let sampling = Sampling { allocator: AllocatorKind::Runs, ..absolute(estimator) };
+        let settings = EstimationSettings::default();
+        let deviations = estimate(&film, &sampling, &settings);
+        assert_eq!(
+            deviations.estimates,
+            estimate(&film, &absolute(estimator), &settings).estimates
+        );
+        for (error, estimate) in deviations.errors.iter().zip(&deviations.estimates) {
+            let of_sample = estimate.squared_error * SAMPLES as f32;
+            close(*error, (of_sample / RAYS as f32).sqrt(), "the root of variance by rays");
         }
     }
 }
@@ -98,7 +118,7 @@ fn what_is_not_finite_has_no_error_and_spoils_no_neighbour() {
     let middle = 8 * 16 + 8;
     for bad in [f32::NAN, f32::INFINITY] {
         let mut film = clean.clone();
-        film.radiance[middle].sum.y = bad;
+        film.radiance[middle].first_sum.y = bad;
         for estimator in ESTIMATORS {
             for settings in [plain(), EstimationSettings::default()] {
                 let sampling =

@@ -8,8 +8,8 @@ use raystream::render::estimator::{ComingRound, EstimateBuffers, Noise};
 use raystream::render::{AllocatorKind, EstimationSettings, Estimator, FilmBuffers, Sampling};
 use raystream::scene::FilmSize;
 use raystream_shaders::estimator::Estimate;
-use raystream_shaders::film::FilmPixel;
 use raystream_shaders::film::tiles::rank_of_pixel;
+use raystream_shaders::film::{Contribution, FilmPixel};
 use raystream_shaders::integrator::first_hits::FeaturePixel;
 use raystream_shaders::math::random::{hash, unit_float};
 use raystream_shaders::scene::camera::Camera;
@@ -49,11 +49,9 @@ pub fn wall(
         let mut film = FilmPixel::default();
         for sample in 0..samples {
             let c = radiance(x, y, sample);
-            film.sum += c;
-            film.sum_of_squares += c * c;
-            film.odd_sum += if sample % 2 == 1 { c } else { Vec3::ZERO };
+            film.add(&Contribution::of(c, RAYS), sample % 2 == 1);
         }
-        FilmPixel { samples, ..film }
+        film
     };
     let features = |(x, y)| {
         let ray = camera.ray(x, y, [0.5, 0.5]);
@@ -73,6 +71,7 @@ pub fn wall(
         radiance: pixels.clone().map(film).collect(),
         features: pixels.map(features).collect(),
         estimates: None,
+        corrections: None,
     }
 }
 
@@ -83,10 +82,14 @@ pub struct Estimates {
     pub noise: Noise,
 }
 
-/// By `estimator`, with absolute errors that never converge.
+/// By `estimator`, with absolute errors that never converge, for an allocator that goes by what a
+/// round takes away.
 pub fn absolute(estimator: Estimator) -> Sampling {
-    Sampling { allocator: AllocatorKind::Runs, estimator, ..Sampling::UNIFORM }
+    Sampling { allocator: AllocatorKind::Paper, estimator, ..Sampling::UNIFORM }
 }
+
+/// Rays of each sample of a [`wall`].
+pub const RAYS: u32 = 3;
 
 /// A round of as many samples as the film has and a film of mean radiance 1.
 pub const ROUND: ComingRound = ComingRound { samples: SAMPLES as f32, mean_radiance: 1.0 };

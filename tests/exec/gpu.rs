@@ -1,5 +1,6 @@
 //! What the GPU's executor makes of unusual sizes.
 
+use bytemuck::Zeroable;
 use raystream::exec::{Array, Executor, kernels};
 use raystream_shaders::film::stream::{NO_PIXEL, RunWindow, Slot};
 use raystream_tests::with_gpu;
@@ -12,7 +13,7 @@ fn launches_are_folded_into_rows() {
         let slots =
             Array::from_slice(gpu, "slots", &vec![Slot { rank: 1, sample: 2 }; threads as usize])
                 .unwrap();
-        let window = RunWindow { threads, first_rank: 0, pixels: 0, samples: 0 };
+        let window = RunWindow { threads, ..RunWindow::zeroed() };
         gpu.run(&[kernels::clear_slots(&window, slots.view())]).unwrap();
         let cleared = slots.read(gpu).unwrap();
         assert_eq!(

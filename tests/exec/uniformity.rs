@@ -82,10 +82,10 @@ impl Analysis<'_> {
             Statement::Return { .. } | Statement::Kill => {
                 return Left { function: !uniform, ..Left::default() };
             }
-            Statement::Store { pointer, value } => {
-                if !(uniform && self.is_uniform(*value) && self.has_uniform_place(*pointer)) {
-                    self.vary(*pointer);
-                }
+            Statement::Store { pointer, value }
+                if !(uniform && self.is_uniform(*value) && self.has_uniform_place(*pointer)) =>
+            {
+                self.vary(*pointer);
             }
             Statement::Call { function, arguments, .. } => {
                 arguments.iter().for_each(|&argument| self.vary(argument));

@@ -107,7 +107,7 @@ fn light_sampling_bsdf_sampling_and_both_agree() {
     );
     assert_same_expectation(&both, &light, "both and light sampling");
     assert_same_expectation(&both, &bsdf, "both and BSDF sampling");
-    let noise = |film| mean_and_error(film).1 * f64::from(film.radiance[0].samples).sqrt();
+    let noise = |film| mean_and_error(film).1 * f64::from(film.radiance[0].samples()).sqrt();
     assert!(
         noise(&both) < noise(&bsdf),
         "next-event estimation makes a room with a lamp less noisy"

@@ -2,7 +2,7 @@
 
 use super::{BenchError, WARM_UP};
 use raystream::exec::Executor;
-use raystream::render::{Budget, Outcome, PreparedScene, Renderer, Settings, run};
+use raystream::render::{Budget, Outcome, PreparedScene, Renderer, Sampling, Settings, run};
 use std::time::Duration;
 
 /// The speed of a render.
@@ -24,27 +24,30 @@ pub struct PathSpeed {
 
 /// Renders for `time`, after a short run that warms up.
 ///
-/// The result is checked: the picture's two halves (even and odd samples) must be finite and their
-/// means agree within five standard errors of their difference.
+/// The result is checked: the picture's two independent halves must be finite and their means agree
+/// within five standard errors of their difference.
 pub fn measure<E: Executor>(
     executor: &E,
     scene: &PreparedScene,
     settings: &Settings,
     time: Duration,
 ) -> Result<PathSpeed, BenchError> {
-    let mut renderer = Renderer::new(executor, scene, settings)?;
+    let sampling = Sampling { halves: true, ..settings.sampling };
+    let mut renderer = Renderer::new(executor, scene, &Settings { sampling, ..*settings })?;
     let mut render =
         |time: Duration| run(&mut renderer, Budget::time(time), &|| false, &mut |_| ());
     let warm_up = render(WARM_UP)?;
     let outcome = render(time)?;
     let film = renderer.film()?;
-    let [even, odd] = film
+    let [first, second] = film
         .halves()
+        .ok_or_else(|| BenchError::Wrong("the render took no two samples of any pixel".into()))?
         .map(|half| half.iter().map(|c| f64::from(c.element_sum()) / 3.0).collect::<Vec<_>>());
-    let pixels = even.len() as f64;
-    let mean = even.iter().zip(&odd).map(|(a, b)| (a + b) / 2.0).sum::<f64>() / pixels;
-    let difference = even.iter().zip(&odd).map(|(a, b)| a - b).sum::<f64>() / pixels;
-    let squares = even.iter().zip(&odd).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / pixels;
+    let pixels = first.len() as f64;
+    let pairs = || first.iter().zip(&second);
+    let mean = pairs().map(|(a, b)| (a + b) / 2.0).sum::<f64>() / pixels;
+    let difference = pairs().map(|(a, b)| a - b).sum::<f64>() / pixels;
+    let squares = pairs().map(|(a, b)| (a - b).powi(2)).sum::<f64>() / pixels;
     let error = ((squares - difference * difference).max(0.0) / pixels).sqrt();
     if !mean.is_finite() || difference.abs() > 5.0 * error + f64::EPSILON {
         return Err(BenchError::Wrong(format!(

@@ -55,7 +55,7 @@ choices! {
     Estimator {
         Bilateral: "The squared difference from the picture after a joint bilateral filter (Podee \
                     et al.)",
-        Halves: "The squared difference of the means over even and over odd samples",
+        Halves: "The squared difference of the means over two halves of the samples",
         Variance: "The variance of the pixel's mean",
     }
 }

@@ -109,7 +109,7 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let (film, outcome) =
         render_film(&device, &prepared, &settings, budget, &interrupted, &mut display)?;
     arguments.say(&summary(&outcome, &film));
-    if outcome.paths > 0 && film.radiance.iter().all(|pixel| pixel.sum == Vec3::ZERO) {
+    if outcome.paths > 0 && film.radiance.iter().all(|pixel| pixel.sum() == Vec3::ZERO) {
         output::say(&format!("warning: {BLACK}"));
     }
 

@@ -26,6 +26,10 @@ pub struct SamplingArguments {
     /// are better get no more samples.
     #[arg(long, value_name = "ERROR", value_parser = parse_noise)]
     noise: Option<f32>,
+    /// Split the samples of each pixel into two independent halves, which an EXR then holds, even
+    /// where nothing else needs them; `runs` always does.
+    #[arg(long)]
+    halves: bool,
 }
 
 /// The options that say how long rounds are.
@@ -39,8 +43,8 @@ pub struct RoundArguments {
         value_parser = clap::value_parser!(u32).range(2..=65536)
     )]
     initial_spp: u32,
-    /// Samples of a later round, on average over the pixels [default: half of what pixels have, at
-    /// least 1].
+    /// Samples of a later round, on average over the pixels [default: as many as pixels have, half
+    /// of that with paper and atomic, at least 1].
     #[arg(long, value_name = "N", value_parser = parse_round_budget)]
     round_budget: Option<f32>,
 }
@@ -96,6 +100,7 @@ impl SamplingArguments {
             estimator: self.estimator,
             relative: self.relative,
             noise: self.noise,
+            halves: self.halves,
             ..self.rounds.sampling(&self.estimation)
         }
     }

@@ -140,8 +140,8 @@ mod tests {
     /// A film without estimates whose pixels differ; pixel 0 has no sample.
     fn film(width: u32, height: u32) -> Film {
         let radiance = |i: u32| FilmPixel {
-            sum: Vec3::new(0.1, 1.7, 900.3) * i as f32,
-            samples: i,
+            first_sum: Vec3::new(0.1, 1.7, 900.3) * i as f32,
+            first_samples: i,
             ..Default::default()
         };
         let features = |i: u32| FeaturePixel {
@@ -159,6 +159,7 @@ mod tests {
             radiance: (0..pixels).map(radiance).collect(),
             features: (0..pixels).map(features).collect(),
             estimates: None,
+            corrections: None,
         }
     }
 
@@ -208,7 +209,8 @@ mod tests {
 
     /// Two pixels: one with samples of a surface, one without any.
     fn two_pixels() -> Film {
-        let seen = FilmPixel { sum: Vec3::splat(2.0), samples: 4, ..Default::default() };
+        let seen =
+            FilmPixel { first_sum: Vec3::splat(2.0), first_samples: 4, ..Default::default() };
         let surface = FeaturePixel {
             albedo: Vec3::new(4.0, 2.0, 0.0),
             hits: 4,
@@ -225,6 +227,7 @@ mod tests {
             radiance: vec![seen, FilmPixel::default()],
             features: vec![surface, FeaturePixel::default()],
             estimates: Some(vec![estimate(0.25), estimate(f32::INFINITY)]),
+            corrections: None,
         }
     }
 
@@ -259,6 +262,7 @@ mod tests {
             radiance: vec![FilmPixel::default(); 12],
             features: vec![FeaturePixel::default(); 12],
             estimates: None,
+            corrections: None,
         };
         assert_eq!(write_png_layers(&path, &film, &Display::default()).unwrap().len(), 4);
     }

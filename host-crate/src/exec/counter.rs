@@ -1,6 +1,7 @@
 //! A counter that lanes raise by atomics.
 
 use super::{Array, ExecError, Executor, Launch, View, kernels};
+use bytemuck::Zeroable;
 use raystream_shaders::film::stream::RunWindow;
 
 /// A word on the device.
@@ -19,7 +20,7 @@ impl<B> Counter<B> {
 
     /// The launch that puts it back to 0.
     pub fn clear(&self) -> Launch<'_, B> {
-        let one = RunWindow { threads: 1, first_rank: 0, pixels: 0, samples: 0 };
+        let one = RunWindow { threads: 1, ..RunWindow::zeroed() };
         kernels::clear_counter(&one, self.view())
     }
 

@@ -186,7 +186,7 @@ macro_rules! native_loop {
     };
     (
         [$phases:expr, $Memory:ty] [$workgroup:tt] $function:path, $parameters:ident,
-        ($($passed:expr,)*) () ($($scattered:ident)*) ()
+        ($($passed:expr,)*) () ($($scattered:ident)*) ($($atomic:ident)*)
     ) => {
         (0..$parameters.threads.div_ceil($workgroup)).into_par_iter().for_each(|group| {
             let mut memory: $Memory = [0; size_of::<$Memory>() / size_of::<u32>()];
@@ -199,6 +199,7 @@ macro_rules! native_loop {
                         &$parameters,
                         $($passed,)*
                         $(&mut { $scattered },)*
+                        $(&mut { $atomic },)*
                         &mut memory,
                     );
                 }

@@ -102,11 +102,12 @@ pub(super) mod tests {
     pub fn film(width: u32, height: u32) -> Film {
         let vector = |i: u32, k: u32| Vec3::new(0.1, 1.7, 900.3) * (i * 31 + k) as f32 / 7.0;
         let radiance = |i: u32| FilmPixel {
-            sum: vector(i, 1),
-            samples: i,
+            first_sum: vector(i, 1),
+            first_samples: i / 2,
+            second_sum: vector(i, 3) / 3.0,
+            second_samples: i - i / 2,
             sum_of_squares: vector(i, 2) * 1e3,
-            odd_sum: vector(i, 3) / 3.0,
-            ..Default::default()
+            rays: i,
         };
         let features = |i: u32| FeaturePixel {
             albedo: vector(i, 4),
@@ -123,16 +124,22 @@ pub(super) mod tests {
             radiance: (0..pixels).map(radiance).collect(),
             features: (0..pixels).map(features).collect(),
             estimates: None,
+            corrections: None,
         }
     }
 
-    /// [`film`], with estimates whose every number differs.
+    /// [`film`], with estimates and corrections whose every number differs.
     pub fn film_with_estimates(width: u32, height: u32) -> Film {
         let estimate = |i: u32| Estimate {
             filtered: Vec3::new(0.2, 1.9, 700.1) * (i * 17 + 1) as f32 / 3.0,
             squared_error: (i * i) as f32 / 7.0,
         };
-        Film { estimates: Some((0..width * height).map(estimate).collect()), ..film(width, height) }
+        let correction = |i: u32| Vec3::new(0.01, -0.3, 20.3) * i as f32;
+        Film {
+            estimates: Some((0..width * height).map(estimate).collect()),
+            corrections: Some((0..width * height).map(correction).collect()),
+            ..film(width, height)
+        }
     }
 
     fn bits(values: impl IntoIterator<Item = f32>) -> Vec<u32> {
@@ -162,16 +169,22 @@ pub(super) mod tests {
                 ("depth.Z".to_owned(), film.depth()),
                 ("samples.N".to_owned(), film.samples().iter().map(|&n| n as f32).collect()),
             ];
-            let [even, odd] = film.halves();
             let mut vectors = vec![
                 ("", "RGB", film.color()),
                 ("variance.", "RGB", film.variance()),
-                ("even.", "RGB", even),
-                ("odd.", "RGB", odd),
                 ("albedo.", "RGB", film.albedo()),
                 ("normal.", "XYZ", film.normal()),
                 ("position.", "XYZ", film.position()),
             ];
+            assert_eq!(film.halves().is_some(), width * height > 1);
+            for (layer, values) in
+                ["first.", "second."].into_iter().zip(film.halves().into_iter().flatten())
+            {
+                vectors.push((layer, "RGB", values));
+            }
+            if film.corrections.is_some() {
+                vectors.push(("plain.", "RGB", film.plain()));
+            }
             if let Some(estimates) = &film.estimates {
                 expected.push((
                     "error.V".to_owned(),

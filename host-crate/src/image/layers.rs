@@ -31,9 +31,10 @@ impl LayeredImage {
     ///
     /// | channels | |
     /// |---|---|
-    /// | `R`, `G`, `B` | mean radiance, linear Rec.709 |
+    /// | `R`, `G`, `B` | radiance, linear Rec.709 |
+    /// | `plain.R` ... `B` | mean radiance over all samples; only with corrections |
     /// | `variance.R` ... `B` | variance of that mean; infinite for fewer than two samples |
-    /// | `even.R` ... `B`, `odd.R` ... `B` | mean radiance of the even and of the odd samples |
+    /// | `first.R` ... `B`, `second.R` ... `B` | mean radiance of the halves; only with two |
     /// | `albedo.R` ... `B` | mean reflectance of the first surface |
     /// | `normal.X` ... `Z` | mean shading normal of the first surface, towards the camera |
     /// | `position.X` ... `Z` | mean position of the first surface, world units |
@@ -49,12 +50,16 @@ impl LayeredImage {
     /// [`ImageError::BufferSize`] if a buffer of the film does not fit its size.
     pub fn from_film(path: &Path, film: &Film) -> Result<Self, ImageError> {
         check_film(path, film)?;
-        let [even, odd] = film.halves();
         let samples = film.samples().into_iter().map(|n| n as f32).collect();
         let mut channels = Vec::from(rgb("", &film.color()));
+        if film.corrections.is_some() {
+            channels.extend(rgb("plain.", &film.plain()));
+        }
         channels.extend(rgb("variance.", &film.variance()));
-        channels.extend(rgb("even.", &even));
-        channels.extend(rgb("odd.", &odd));
+        if let Some([first, second]) = film.halves() {
+            channels.extend(rgb("first.", &first));
+            channels.extend(rgb("second.", &second));
+        }
         channels.extend(rgb("albedo.", &film.albedo()));
         channels.extend(xyz("normal.", &film.normal()));
         channels.extend(xyz("position.", &film.position()));
@@ -89,6 +94,7 @@ pub fn check_film(path: &Path, film: &Film) -> Result<(), ImageError> {
         ("the radiance", Some(film.radiance.len())),
         ("the features", Some(film.features.len())),
         ("the estimates", film.estimates.as_ref().map(Vec::len)),
+        ("the corrections", film.corrections.as_ref().map(Vec::len)),
     ];
     for (what, values) in buffers {
         if let Some(values) = values {

@@ -1,14 +1,15 @@
 //! A render on one device, and its rounds: what it owns, what it can be asked, and how a round goes
 //! from batch to batch.
 
-use super::allocator::sampling::{AllocatorKind, Sampling};
-use super::allocator::{self, Allocator, RoundBuffers, Stream, uniform::Uniform};
+use super::allocator::sampling::{Sampling, Split};
+use super::allocator::{Allocation, Allocator as _, RoundBuffers, Stream, streams};
 use super::estimator::{Estimation, FilmSamples, Noise};
+use super::film::control::ControlFilm;
 use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
 use super::integrator::{self, Integrator, IntegratorContext};
 use super::round::batch::BatchSize;
 use super::round::launches::TimedLaunches;
-use super::round::plan::{self, Done, Limits, RoundKind, RoundPlan, plan};
+use super::round::plan::{self, Done, Limits, RoundPlan, plan};
 use super::round::state::{DeviceState, allocate_stream};
 use super::scene::PreparedScene;
 use super::settings::Settings;
@@ -33,9 +34,9 @@ pub struct Renderer<E: Executor = Device> {
     done: Done,
     seed: u32,
     sampling: Sampling,
-    uniform: Uniform<E::Buffer>,
-    /// The allocator of adaptive rounds; none where there are none.
-    adaptive: Option<Box<dyn Allocator<E>>>,
+    allocation: Allocation<E>,
+    /// None where no half of the samples is one.
+    control: Option<ControlFilm<E::Buffer>>,
     ray_counts: Array<E::Buffer, u32>,
     /// See [`Self::convergence`].
     convergence: f64,
@@ -73,17 +74,16 @@ impl<E: Executor> Renderer<E> {
         };
         let integrator = create(&context, slots.len() as u32)?;
         let sampling = settings.sampling;
-        let is_adaptive = sampling.allocator != AllocatorKind::Uniform;
-        let adaptive =
-            is_adaptive.then(|| allocator::create(sampling.allocator, &executor, film.pixels()));
+        let has_control = sampling.split() == Split::Control;
+        let control = has_control.then(|| ControlFilm::new(&executor, settings.size));
         Ok(Self {
             estimation: Estimation::new(&executor, settings.size, sampling)?,
             batch: BatchSize::new(slots.len() as u32),
             done: Done::default(),
             seed: settings.seed,
             sampling,
-            uniform: Uniform::new(&executor)?,
-            adaptive: adaptive.transpose()?,
+            allocation: Allocation::new(sampling.allocator, &executor, film.pixels())?,
+            control: control.transpose()?,
             ray_counts: Array::zeroed(&executor, "ray counts", COUNTERS as usize)?,
             convergence: 0.0,
             state: DeviceState {
@@ -118,12 +118,11 @@ impl<E: Executor> Renderer<E> {
     /// batches.
     pub fn next_round(&mut self, paths_left: u64) -> Result<Round<'_, E>, ExecError> {
         let plan = plan(&self.sampling, &self.limits(), self.done, paths_left);
-        let timings = match plan.kind {
-            RoundKind::Uniform { .. } => Timings::default(),
-            RoundKind::Adaptive { .. } => {
-                let samples = self.film_samples();
-                self.estimation.measure_mean_radiance(&self.state, samples)?
-            }
+        let timings = if plan.adaptive > 0 {
+            let samples = self.film_samples();
+            self.estimation.measure_mean_radiance(&self.state, samples)?
+        } else {
+            Timings::default()
         };
         Ok(Round::new(self, plan, timings))
     }
@@ -132,7 +131,7 @@ impl<E: Executor> Renderer<E> {
     /// takes. How samples are cut into rounds changes the film with the integrator `lvc` alone,
     /// whose light paths are those of the round.
     pub fn uniform_round(&mut self, samples: u32) -> Round<'_, E> {
-        let plan = RoundPlan { kind: RoundKind::Uniform { samples }, number: self.done.rounds };
+        let plan = RoundPlan { number: self.done.rounds, uniform: samples, adaptive: 0 };
         Round::new(self, plan, Timings::default())
     }
 
@@ -157,14 +156,6 @@ impl<E: Executor> Renderer<E> {
         FilmSamples {
             average: self.done.paths / u64::from(self.pixels()),
             coming: plan::samples_of_round(&self.sampling, &self.limits(), self.done),
-        }
-    }
-
-    /// What decides which pixels a round of this kind samples.
-    pub(super) fn allocator(&self, kind: RoundKind) -> &dyn Allocator<E> {
-        match (kind, &self.adaptive) {
-            (RoundKind::Adaptive { .. }, Some(adaptive)) => adaptive.as_ref(),
-            _ => &self.uniform,
         }
     }
 
@@ -217,13 +208,28 @@ impl<E: Executor> Renderer<E> {
     }
 
     /// Copies the film to the host, with the features [so far](Self::finish_features) and, where
-    /// they are asked for, with estimates of its errors.
+    /// there are such, with estimates of its errors and with the corrections by the control film.
     pub fn film(&mut self) -> Result<Film, ExecError> {
         let samples = self.film_samples();
         self.estimation.run_update(&self.state, samples)?;
-        let mut film = self.state.film.read(&self.state.executor)?;
-        film.estimates = self.estimation.read(&self.state.executor)?;
+        self.resolve()?;
+        let DeviceState { executor, film, .. } = &self.state;
+        let mut film = film.read(executor)?;
+        film.estimates = self.estimation.read(executor)?;
+        let control = self.control.as_ref();
+        film.corrections = control.map(|control| control.read(executor)).transpose()?;
         Ok(film)
+    }
+
+    /// Computes on the device what is to be added to the picture so that it is without bias, where
+    /// there is a control film: the last step before the film is read, which
+    /// [`Self::film`] takes by itself. Returns where the time went.
+    pub fn resolve(&self) -> Result<Timings, ExecError> {
+        let mut launches = TimedLaunches::default();
+        if let Some(control) = &self.control {
+            launches.add(control.launches(&self.state.film), Part::Resolve);
+        }
+        launches.run(&self.state.executor)
     }
 }
 
@@ -256,14 +262,11 @@ impl<'r, E: Executor> Round<'r, E> {
     /// Begins the round; `timings` are of what was done for it before.
     fn new(renderer: &'r mut Renderer<E>, plan: RoundPlan, timings: Timings) -> Self {
         let state = &renderer.state;
-        let paths = match plan.kind {
-            RoundKind::Uniform { samples } => u64::from(samples) * u64::from(state.film.pixels()),
-            RoundKind::Adaptive { paths } => paths,
-        };
-        let allocator = renderer.allocator(plan.kind);
-        let mut streams = allocator.streams(&state.film, paths, state.slots.len() as u32);
+        let largest = state.slots.len() as u32;
+        let mut streams = streams(&state.film, plan.uniform, plan.adaptive, largest);
         streams.reverse();
         renderer.done.rounds += 1;
+        renderer.done.uniform += plan.uniform;
         Self { renderer, plan, streams, next: 0, is_new: true, timings }
     }
 
@@ -278,8 +281,8 @@ impl<'r, E: Executor> Round<'r, E> {
         let start = Instant::now();
         let timings = self.launches(stream, slots.clone()).run(executor)?;
         let elapsed = start.elapsed();
-        let allocator = self.renderer.allocator(self.plan.kind);
-        let filled = if is_last { allocator.filled(executor, stream)? } else { 0 };
+        let allocation = &self.renderer.allocation;
+        let filled = if is_last { allocation.filled(executor, stream)? } else { 0 };
 
         let samples = self.renderer.film_samples();
         let is_updated = self.is_new && self.is_adaptive();
@@ -303,8 +306,7 @@ impl<'r, E: Executor> Round<'r, E> {
     /// The launches of a batch: with the first one what the round needs before, with a stream's
     /// first one what fills it, with its last one what adds it to the film.
     fn launches(&self, stream: &Stream, slots: Range<u32>) -> TimedLaunches<'_, E::Buffer> {
-        let Renderer { state, estimation, .. } = &*self.renderer;
-        let allocator = self.renderer.allocator(self.plan.kind);
+        let Renderer { state, estimation, allocation, sampling, done, .. } = &*self.renderer;
         let number = self.plan.number;
         let mut launches = TimedLaunches::default();
         if self.is_new {
@@ -316,6 +318,8 @@ impl<'r, E: Executor> Round<'r, E> {
         }
         let buffers = RoundBuffers {
             film: &state.film,
+            paths: done.paths,
+            split: sampling.split(),
             errors: estimation.errors(),
             slots: &state.slots,
             contributions: &state.contributions,
@@ -323,17 +327,17 @@ impl<'r, E: Executor> Round<'r, E> {
         };
         let (is_first, is_last) = (slots.start == 0, slots.end == stream.slots);
         if is_first {
-            launches.add(allocator.fill(&buffers, stream), Part::Generation);
+            launches.add(allocation.fill(&buffers, stream), Part::Generation);
         }
         launches.add(state.integrator.trace(&state.stream_buffers(), slots), Part::Tracing);
         if is_last {
-            launches.add(allocator.accumulate(&buffers, stream), Part::Accumulation);
+            launches.add(allocation.accumulate(&buffers, stream), Part::Accumulation);
         }
         launches
     }
 
     fn is_adaptive(&self) -> bool {
-        matches!(self.plan.kind, RoundKind::Adaptive { .. })
+        self.plan.adaptive > 0
     }
 
     /// Where the time of the batches so far went.

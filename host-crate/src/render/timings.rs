@@ -17,6 +17,8 @@ pub enum Part {
     Tracing,
     /// Adding contributions to the film.
     Accumulation,
+    /// Correcting the picture by the control film, at the end of a render.
+    Resolve,
 }
 
 named! {
@@ -26,6 +28,7 @@ named! {
         Generation: "generation",
         Tracing: "tracing",
         Accumulation: "accumulation",
+        Resolve: "resolve",
     }
 }
 
@@ -62,6 +65,11 @@ impl Timings {
     /// Time of [`Part::Accumulation`].
     pub fn accumulation(&self) -> Duration {
         self[Part::Accumulation]
+    }
+
+    /// Time of [`Part::Resolve`].
+    pub fn resolve(&self) -> Duration {
+        self[Part::Resolve]
     }
 }
 

@@ -5,15 +5,88 @@
 //! results are added to the film by atomics. So the order of the stream and that of the additions
 //! are whatever the device makes of them: this allocator alone is not the same on every device, nor
 //! twice on one. The numbers of samples are: they are the lengths of [runs](crate::allocator::runs)
-//! without a uniform share and without a random phase.
+//! without a random phase.
 
+use crate::allocator::error_scale::{BlockErrors, is_live, magnitude, quantised};
+use crate::allocator::runs::RunParams;
 use crate::film::accumulate::ContributionView;
-use crate::film::stream::{RunWindow, Runs, Slot};
+use crate::film::stream::{RunWindow, Runs, Slot, counted, sample_number};
 use crate::film::{FilmPixel, PIXEL_WORDS};
 use crate::glam::{UVec4, Vec3};
-use crate::memory::access::{Atomics, Scatter, at};
+use crate::math::random::SECOND_HALF;
+use crate::math::wide::{Wide, multiply, multiply_divide};
+use crate::memory::access::{Atomics, Scatter, at, local_mut};
+use crate::parallel::prefix::{BLOCK, LANES, Lane, Memory, PER_LANE, finish_block_sum};
 
-/// Kernel: zeroes the counter of slots.
+/// What the weights of all errors add up to, but for rounding.
+pub const ERROR_WEIGHTS: u32 = 1 << 29;
+
+/// How errors become weights; the same for all pixels of a round.
+#[derive(Clone, Copy)]
+struct Weighing {
+    exponent: u32,
+    /// A weight is `error * factor >> 32 >> shift`.
+    factor: u32,
+    shift: u32,
+}
+
+impl Weighing {
+    fn new(all: &BlockErrors) -> Self {
+        let sum = Wide { high: all.sum_high, low: all.sum_low };
+        // The largest error is at least 2^30 and so is the sum, unless all are 0.
+        if sum.bits() < 31 {
+            return Self { exponent: 0, factor: 0, shift: 0 };
+        }
+        let shift = sum.bits() - 31;
+        let divisor = sum.shifted_right(shift).low;
+        Self {
+            exponent: all.exponent,
+            factor: multiply_divide(1 << 31, 2 * ERROR_WEIGHTS, divisor),
+            shift,
+        }
+    }
+
+    fn weight(&self, error: f32) -> u32 {
+        if !is_live(error) || self.factor == 0 {
+            return 0;
+        }
+        let product = multiply(quantised(magnitude(error), self.exponent), self.factor);
+        product.shifted_right(32 + self.shift).low
+    }
+}
+
+/// Kernel, in phases: the weight of each pixel and the sum of each block's. `totals` are
+/// [`BlockErrors`] with those of all after the last.
+pub fn weigh_errors(
+    phase: u32,
+    lane: Lane,
+    params: &RunParams,
+    errors: &[f32],
+    totals: &[BlockErrors],
+    weights: &mut Scatter<'_, u32>,
+    sums: &mut Scatter<'_, u32>,
+    memory: &mut Memory,
+) {
+    if phase == 0 {
+        let weighing = Weighing::new(&at(totals, params.blocks));
+        let (mut pixel, mut sum) = (lane.group * BLOCK + lane.index, 0);
+        let mut k = 0;
+        while k < PER_LANE {
+            if pixel < params.pixels {
+                let weight = weighing.weight(at(errors, pixel));
+                weights.set(pixel, weight);
+                sum += weight;
+            }
+            pixel += LANES;
+            k += 1;
+        }
+        *local_mut(memory, lane.index) = sum;
+    } else {
+        finish_block_sum(phase, lane, sums, memory);
+    }
+}
+
+/// Kernel: zeroes counters.
 pub fn clear_counter(_: u32, _: &RunWindow, counter: &mut u32) {
     *counter = 0;
 }
@@ -57,7 +130,8 @@ pub fn fill_reserved(
         }
     }
     let k = lane - at(starts, pixel);
-    let slot = Slot { rank: window.first_rank + pixel, sample: at(film, pixel).samples + k };
+    let sample = sample_number(window.half, counted(window.half, &at(film, pixel)) + k);
+    let slot = Slot { rank: window.first_rank + pixel, sample };
     slots.set(at(reserved, pixel) + k, slot);
 }
 
@@ -79,33 +153,29 @@ pub fn accumulate_atomic(
     let end = (slot + STRETCH).min(slots.len() as u32);
     while slot < end {
         let rank = at(slots, slot).rank;
+        // Counts begin at 1, since naga takes a number for lost that comes from a loop and goes
+        // into an atomic as it is.
         let mut sums = FilmPixel {
-            sum: Vec3::ZERO,
-            samples: 0,
+            first_sum: Vec3::ZERO,
+            first_samples: 1,
+            second_sum: Vec3::ZERO,
+            second_samples: 1,
             sum_of_squares: Vec3::ZERO,
             rays: 1,
-            odd_sum: Vec3::ZERO,
-            pad: 0,
         };
-        // The parity of sample numbers is that of the film's count.
-        let first = at(slots, slot).sample;
-        sums.samples = first & 1;
         while slot < end && at(slots, slot).rank == rank {
-            sums.add(&contributions.get(slot));
+            sums.add(&contributions.get(slot), at(slots, slot).sample >= SECOND_HALF);
             slot += 1;
         }
-        sums.samples -= first & 1;
-        // From 1 on, since naga takes a number for lost that comes from a loop and goes into an
-        // atomic as it is.
-        sums.rays -= 1;
         let pixel = rank.wrapping_sub(window.first_rank);
         if pixel < window.pixels {
             let first = pixel * PIXEL_WORDS;
-            add(film, first, sums.sum);
-            film.add(first + 3, sums.samples);
-            add(film, first + 4, sums.sum_of_squares);
-            film.add(first + 7, sums.rays);
-            add(film, first + 8, sums.odd_sum);
+            add(film, first, sums.first_sum);
+            film.add(first + 3, sums.first_samples - 1);
+            add(film, first + 4, sums.second_sum);
+            film.add(first + 7, sums.second_samples - 1);
+            add(film, first + 8, sums.sum_of_squares);
+            film.add(first + 11, sums.rays - 1);
         }
     }
 }

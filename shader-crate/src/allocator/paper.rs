@@ -14,9 +14,9 @@
 use crate::allocator::error_scale::{BlockErrors, is_live, magnitude, quantised};
 use crate::film::FilmPixel;
 use crate::film::accumulate::ContributionView;
-use crate::film::stream::Slot;
+use crate::film::stream::{Slot, sample_number};
 use crate::glam::UVec4;
-use crate::math::random::hash;
+use crate::math::random::{SECOND_HALF, hash};
 use crate::math::wide::{Wide, divide, multiply};
 use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
@@ -27,7 +27,7 @@ pub const BISECTIONS: u32 = 32;
 pub const STREAMS: u32 = BISECTIONS + 2;
 
 device_struct! {
-    /// The parameters of one step: of one stream. 32 bytes.
+    /// The parameters of one step: of one stream. 48 bytes.
     pub struct PaperParams {
         /// Lanes of the launch.
         pub threads: u32,
@@ -45,6 +45,15 @@ device_struct! {
         pub first_rank: u32,
         /// Pixels of the film that is bound.
         pub film_pixels: u32,
+        /// Which half samples are of: [`FIRST`](crate::film::stream::FIRST), or
+        /// [`BY_TURNS`](crate::film::stream::BY_TURNS).
+        pub half: u32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// Unused; zero.
+        pub pad2: u32,
     }
 }
 
@@ -160,8 +169,9 @@ pub fn paper_append(
     let place = before(lane);
     if before(lane + 1) > place {
         let rank = at(kept, lane);
-        let sample = counts.get(rank);
-        counts.set(rank, sample + 1);
+        let count = counts.get(rank);
+        counts.set(rank, count + 1);
+        let sample = sample_number(params.half, count);
         slots.set(state.filled + place, Slot { rank, sample });
     }
 }
@@ -181,15 +191,12 @@ pub fn paper_accumulate(
         return;
     }
     let place = state.filled + lane;
-    let pixel = at(slots, place).rank.wrapping_sub(params.first_rank);
+    let slot = at(slots, place);
+    let pixel = slot.rank.wrapping_sub(params.first_rank);
     if pixel < params.film_pixels {
         let mut sums = film.get(pixel);
-        sums.add(&ContributionView::new(contributions).get(place));
+        let contribution = ContributionView::new(contributions).get(place);
+        sums.add(&contribution, slot.sample >= SECOND_HALF);
         film.set(pixel, sums);
     }
-}
-
-/// Kernel: the samples of pixel `lane` of a film.
-pub fn copy_counts(lane: u32, _: &PaperParams, film: &[FilmPixel], count: &mut u32) {
-    *count = at(film, lane).samples;
 }

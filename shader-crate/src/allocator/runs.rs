@@ -1,22 +1,16 @@
-//! The allocator `runs`: from errors to a run of consecutive slots for each pixel.
+//! From weights to a run of consecutive slots for each pixel.
 //!
-//! A pixel gets a **weight** in proportion to its error, plus a small uniform share. Let `P` be the
-//! sum of the weights of all pixels before it in rank order and `W` that of all: its run begins at
-//! slot `(P * 256 * slots / W + phase) / 256`, rounded down (the quotient too), where `phase` is
-//! one random number below 256 for the whole round. So the runs follow each other without gaps,
-//! their lengths add up to `slots` exactly, and a pixel that is due 2.3 samples gets 2 or 3, 2.3 on
+//! Pixels have weights, whatever they stand for. Let `P` be the sum of the weights of all pixels
+//! before one in rank order and `W` that of all: its run begins at slot
+//! `(P * 256 * slots / W + phase) / 256`, rounded down (the quotient too), where `phase` is one
+//! random number below 256 for the whole round. So the runs follow each other without gaps, their
+//! lengths add up to `slots` exactly, and a pixel that is due 2.3 samples gets 2 or 3, 2.3 on
 //! average over phases.
 
-use crate::allocator::error_scale::{BlockErrors, is_live, magnitude, quantised};
-use crate::math::wide::{Wide, divide, multiply, multiply_divide};
+use crate::math::wide::{Wide, divide, multiply};
 use crate::memory::access::{Scatter, at, local_mut};
 use crate::memory::device_struct;
-use crate::parallel::prefix::{
-    BLOCK, LANES, Lane, Memory, PER_LANE, finish_block_sum, sum_before, sum_groups, sum_values,
-};
-
-/// What the weights of all errors add up to, but for rounding.
-pub const ERROR_WEIGHTS: u32 = 1 << 29;
+use crate::parallel::prefix::{LANES, Lane, Memory, PER_LANE, sum_before, sum_groups, sum_values};
 
 device_struct! {
     /// The parameters of a round of runs. 32 bytes.
@@ -31,97 +25,12 @@ device_struct! {
         pub slots: u32,
         /// A random number below 256.
         pub phase: u32,
-        /// What the uniform share's weights add up to, beside [`ERROR_WEIGHTS`]; 0 for none.
-        pub uniform_weights: u32,
-        /// Largest weight that an error can have.
-        pub largest_weight: u32,
         /// Unused; zero.
-        pub pad: u32,
-    }
-}
-
-/// How errors become weights; the same for all pixels of a round.
-#[derive(Clone, Copy)]
-struct Weighing {
-    exponent: u32,
-    /// A weight is `error * factor >> 32 >> shift`.
-    factor: u32,
-    shift: u32,
-    uniform: u32,
-    largest: u32,
-    /// Where every pixel has converged, all count as if none had.
-    all_live: bool,
-}
-
-impl Weighing {
-    fn new(params: &RunParams, all: &BlockErrors) -> Self {
-        let sum = Wide { high: all.sum_high, low: all.sum_low };
-        let all_live = all.live == 0;
-        let live = if all_live { params.pixels } else { all.live };
-        // The largest error is at least 2^30 and so is the sum, unless all are 0.
-        let (shift, factor, uniform) = if sum.bits() < 31 {
-            (0, 0, ERROR_WEIGHTS.checked_div(live).unwrap_or(0))
-        } else {
-            let shift = sum.bits() - 31;
-            let divisor = sum.shifted_right(shift).low;
-            (
-                shift,
-                multiply_divide(1 << 31, 2 * ERROR_WEIGHTS, divisor),
-                params.uniform_weights.checked_div(live).unwrap_or(0),
-            )
-        };
-        // So that no live pixel starves, however many there are.
-        let uniform = if params.uniform_weights > 0 || factor == 0 { uniform.max(1) } else { 0 };
-        Self {
-            exponent: all.exponent,
-            factor,
-            shift,
-            uniform,
-            largest: params.largest_weight,
-            all_live,
-        }
-    }
-
-    fn weight(&self, error: f32) -> u32 {
-        if self.all_live {
-            return self.uniform;
-        }
-        if !is_live(error) {
-            return 0;
-        }
-        let product = multiply(quantised(magnitude(error), self.exponent), self.factor);
-        product.shifted_right(32 + self.shift).low.min(self.largest) + self.uniform
-    }
-}
-
-/// Kernel, in phases: the weight of each pixel and the sum of each block's. `totals` are
-/// [`BlockErrors`] with those of all after the last.
-pub fn weigh_errors(
-    phase: u32,
-    lane: Lane,
-    params: &RunParams,
-    errors: &[f32],
-    totals: &[BlockErrors],
-    weights: &mut Scatter<'_, u32>,
-    sums: &mut Scatter<'_, u32>,
-    memory: &mut Memory,
-) {
-    if phase == 0 {
-        let weighing = Weighing::new(params, &at(totals, params.blocks));
-        let (mut pixel, mut sum) = (lane.group * BLOCK + lane.index, 0);
-        let mut k = 0;
-        while k < PER_LANE {
-            if pixel < params.pixels {
-                let weight = weighing.weight(at(errors, pixel));
-                weights.set(pixel, weight);
-                sum += weight;
-            }
-            pixel += LANES;
-            k += 1;
-        }
-        *local_mut(memory, lane.index) = sum;
-    } else {
-        finish_block_sum(phase, lane, sums, memory);
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// Unused; zero.
+        pub pad2: u32,
     }
 }
 
@@ -147,7 +56,8 @@ impl Scale {
 }
 
 /// Kernel, in phases: the first slot of each pixel's run, and after the last the number of slots.
-/// `offsets` are the sums of weights before each block, with that of all after the last.
+/// `offsets` are the sums of weights before each block, with that of all after the last. Where all
+/// weights are 0, pixels share alike.
 pub fn run_starts(
     phase: u32,
     lane: Lane,
@@ -164,11 +74,13 @@ pub fn run_starts(
     } else if phase == 1 {
         sum_groups(lane, memory);
     } else {
-        let scale = Scale::new(params.slots << 8, at(offsets, params.blocks));
+        let all = at(offsets, params.blocks);
+        let scale = Scale::new(params.slots << 8, if all == 0 { params.pixels } else { all });
         let mut sum = at(offsets, lane.group) + sum_before(lane, memory);
         let mut pixel = first;
         while pixel < end {
-            starts.set(pixel, (scale.of(sum) + params.phase) >> 8);
+            let place = scale.of(if all == 0 { pixel } else { sum });
+            starts.set(pixel, (place + params.phase) >> 8);
             sum += at(weights, pixel);
             pixel += 1;
         }

@@ -10,7 +10,8 @@ use crate::memory::device_struct;
 
 /// [`GuideParams::spread`]: [`Guide::variance`] comes of the sums of squares.
 pub const SUM_OF_SQUARES: u32 = 0;
-/// [`GuideParams::spread`]: [`Guide::variance`] comes of the difference of the means over even and over odd samples.
+/// [`GuideParams::spread`]: [`Guide::variance`] comes of the difference of the halves' means,
+/// where a pixel has samples of both.
 pub const HALVES: u32 = 1;
 
 /// [`Guide::normal`] where the camera saw no surface; no normal is packed like this.
@@ -88,14 +89,15 @@ pub fn make_guides(
 /// The guide of one pixel.
 pub fn guide_of(film: &FilmPixel, features: &FeaturePixel, spread: u32) -> Guide {
     let mut guide = Guide::nothing();
-    if film.samples == 0 || !is_finite_vector(film.sum) {
+    let (sum, samples) = (film.sum(), film.samples());
+    if samples == 0 || !is_finite_vector(sum) {
         return guide;
     }
-    guide.color = film.sum / film.samples as f32;
-    guide.variance = if film.samples < 2 {
+    guide.color = sum / samples as f32;
+    guide.variance = if samples < 2 {
         // One sample says nothing about its spread: taken to be as large as itself.
         mean_of_squares(guide.color)
-    } else if spread == HALVES {
+    } else if spread == HALVES && film.first_samples > 0 && film.second_samples > 0 {
         halves_variance(film)
     } else {
         mean_variance(film)
@@ -103,7 +105,7 @@ pub fn guide_of(film: &FilmPixel, features: &FeaturePixel, spread: u32) -> Guide
     if !is_finite(guide.variance) {
         return Guide::nothing();
     }
-    guide.samples = film.samples;
+    guide.samples = samples;
     if features.hits != 0
         && is_finite_vector(features.position)
         && is_finite_vector(features.normal)
@@ -118,25 +120,23 @@ pub fn guide_of(film: &FilmPixel, features: &FeaturePixel, spread: u32) -> Guide
 
 /// The variance of the mean, of at least two samples.
 fn mean_variance(film: &FilmPixel) -> f32 {
-    let n = film.samples as f32;
-    let mean = film.sum / n;
+    let n = film.samples() as f32;
+    let mean = film.sum() / n;
     let variance = (film.sum_of_squares / n - mean * mean).dot(Vec3::ONE) / (3.0 * (n - 1.0));
     // Rounding can take a constant pixel below zero. NaN stays: `max` would hide it.
     if variance < 0.0 { 0.0 } else { variance }
 }
 
-/// The variance of the mean, by the means of two independent halves of together at least two
-/// samples.
+/// The variance of the mean, by the means of the two halves, of at least one sample each.
 ///
 /// With `a` samples in one half and `b` in the other, the squared difference of their means has the
 /// expectation `v (1/a + 1/b)`, `v` being the variance of a sample; that of the mean is `v / (a +
 /// b)`. So the factor is `a b / (a + b)^2`: a quarter for equal halves.
 fn halves_variance(film: &FilmPixel) -> f32 {
-    let odd = (film.samples / 2) as f32;
-    let even = (film.samples - film.samples / 2) as f32;
-    let n = film.samples as f32;
-    let difference = (film.sum - film.odd_sum) / even - film.odd_sum / odd;
-    mean_of_squares(difference) * (even / n) * (odd / n)
+    let (first, second) = (film.first_samples as f32, film.second_samples as f32);
+    let n = first + second;
+    let difference = film.first_sum / first - film.second_sum / second;
+    mean_of_squares(difference) * (first / n) * (second / n)
 }
 
 /// The mean over the components of their squares.
@@ -184,6 +184,7 @@ fn pack_coordinate(coordinate: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Contribution;
     use crate::math::random::{hash, unit_float};
 
     #[test]
@@ -215,10 +216,7 @@ mod tests {
         let mut film = FilmPixel::default();
         for (k, &sample) in samples.iter().enumerate() {
             let radiance = Vec3::new(sample, 2.0 * sample, 0.0);
-            film.sum += radiance;
-            film.sum_of_squares += radiance * radiance;
-            film.odd_sum += if k % 2 == 1 { radiance } else { Vec3::ZERO };
-            film.samples += 1;
+            film.add(&Contribution::of(radiance, 1), k % 2 == 1);
         }
         film
     }

@@ -8,11 +8,14 @@ pub mod bilateral;
 pub mod guide;
 
 use crate::estimator::guide::Guide;
+use crate::film::FilmPixel;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::Vec3;
 use crate::math::is_finite;
 use crate::memory::access::at;
 use crate::memory::device_struct;
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float as _;
 
 /// The error that allocators take as "no more samples".
 pub const CONVERGED: f32 = -1.0;
@@ -41,7 +44,8 @@ device_struct! {
 device_struct! {
     /// How the allocators' error follows from an estimate. 16 bytes.
     pub struct ErrorForm {
-        /// Samples that the coming round gives a pixel on average; above 0.
+        /// Samples that the coming round gives a pixel on average, where allocators go by what
+        /// these take away; 0 where they go by deviations of samples.
         pub samples_of_round: f32,
         /// Mean radiance of the whole picture, over pixels and components; scales the
         /// [`SOFT_FLOOR`].
@@ -54,16 +58,22 @@ device_struct! {
 }
 
 impl ErrorForm {
-    /// The allocators' error of the pixel `guide`: the squared error, absolute or relative, times
-    /// the part of it that the coming round would take away if the pixel got its average share
-    /// (Podee et al., equation 1); or [`CONVERGED`]; or 0 where that is not finite.
+    /// The allocators' error of the pixel `guide`, whose samples took `rays` rays; or
+    /// [`CONVERGED`]; or 0 where that is not finite.
+    ///
+    /// By what the coming round takes away, it is the squared error `E`, absolute or relative,
+    /// times the part of it that would go if the pixel got its average share (Podee et al.,
+    /// equation 1). By deviations it is `sqrt(E n / c)`, with `n` samples of `c` rays each: were
+    /// `E` the variance of the mean, then `sqrt(E n)` would be the deviation of one sample, and
+    /// counts in proportion to `sqrt(E n / c)` would leave the least squared error that so many
+    /// rays can.
     ///
     /// `spread` is another estimate of the squared error, and a pixel of few samples has converged
     /// when both are small: an estimate that is one random number squared is often small by chance.
     /// Both look at neighbours, which may be noisy for ever when they have converged by their own
     /// brightness. So from [`TRUSTED_SAMPLES`] on the pixel's own variance decides alone, which its
     /// own samples bring down: every pixel converges.
-    pub fn of(&self, estimate: &Estimate, spread: f32, guide: &Guide) -> f32 {
+    pub fn of(&self, estimate: &Estimate, spread: f32, guide: &Guide, rays: u32) -> f32 {
         let relative =
             relative_error(estimate.filtered, estimate.squared_error, self.mean_radiance);
         let doubtful = relative_error(estimate.filtered, spread, self.mean_radiance);
@@ -79,9 +89,13 @@ impl ErrorForm {
             return CONVERGED;
         }
         let current = if self.relative != 0 { relative } else { estimate.squared_error };
-        let reduction =
-            current * (self.samples_of_round / (self.samples_of_round + guide.samples as f32));
-        if is_finite(reduction) { reduction } else { 0.0 }
+        let n = guide.samples as f32;
+        let error = if self.samples_of_round > 0.0 {
+            current * (self.samples_of_round / (self.samples_of_round + n))
+        } else {
+            n * (current / rays.max(1) as f32).sqrt()
+        };
+        if is_finite(error) { error } else { 0.0 }
     }
 }
 
@@ -99,7 +113,7 @@ device_struct! {
     pub struct NoiseParams {
         /// Pixels to estimate.
         pub threads: u32,
-        /// Rank of the first; estimates and errors that are bound start there.
+        /// Rank of the first; film, estimates and errors that are bound start there.
         pub first_rank: u32,
         /// Picture width in pixels.
         pub width: u32,
@@ -126,6 +140,7 @@ pub fn noise_errors(
     lane: u32,
     params: &NoiseParams,
     guides: &[Guide],
+    film: &[FilmPixel],
     estimate: &mut Estimate,
     error: &mut f32,
 ) {
@@ -139,7 +154,8 @@ pub fn noise_errors(
         } else {
             guide.variance
         };
-        *error = params.form.of(estimate, guide.variance, &guide);
+        let rays = at(film, lane).rays;
+        *error = params.form.of(estimate, guide.variance, &guide, rays);
     }
 }
 
@@ -243,21 +259,30 @@ mod tests {
 
     #[test]
     fn the_error_is_what_a_round_takes_away() {
-        close(FORM.of(&estimate(1.0, 8.0), 8.0, &guide(5)), 8.0 * 3.0 / (3.0 + 5.0));
-        close(FORM.of(&estimate(1.0, 8.0), 0.0, &guide(1000)), 8.0 * 3.0 / 1003.0);
-        assert_eq!(FORM.of(&estimate(1.0, 0.0), 0.0, &guide(5)), 0.0);
+        close(FORM.of(&estimate(1.0, 8.0), 8.0, &guide(5), 7), 8.0 * 3.0 / (3.0 + 5.0));
+        close(FORM.of(&estimate(1.0, 8.0), 0.0, &guide(1000), 7), 8.0 * 3.0 / 1003.0);
+        assert_eq!(FORM.of(&estimate(1.0, 0.0), 0.0, &guide(5), 7), 0.0);
+    }
+
+    #[test]
+    fn or_the_deviation_of_what_a_ray_buys() {
+        let form = ErrorForm { samples_of_round: 0.0, ..FORM };
+        // Variance 40 of a sample, over 4 rays for each.
+        close(form.of(&estimate(1.0, 8.0), 8.0, &guide(5), 20), 10_f32.sqrt());
+        assert_eq!(form.of(&estimate(1.0, 8.0), 8.0, &guide(5), 0), 5.0 * 8_f32.sqrt());
+        assert_eq!(form.of(&estimate(1.0, 0.0), 0.0, &guide(5), 20), 0.0);
     }
 
     #[test]
     fn relative_errors_ignore_brightness_down_to_the_floor() {
         let form = ErrorForm { relative: 1, ..FORM };
-        close(form.of(&estimate(1.0, 8.0), 8.0, &guide(5)), 8.0 / (1.0 + 0.2 * 0.2) * 3.0 / 8.0);
-        close(form.of(&estimate(0.0, 8.0), 8.0, &guide(5)), 8.0 / (0.2 * 0.2) * 3.0 / 8.0);
+        close(form.of(&estimate(1.0, 8.0), 8.0, &guide(5), 7), 8.0 / (1.0 + 0.2 * 0.2) * 3.0 / 8.0);
+        close(form.of(&estimate(0.0, 8.0), 8.0, &guide(5), 7), 8.0 / (0.2 * 0.2) * 3.0 / 8.0);
         // The same picture under lamps of another unit.
         let brighter = ErrorForm { mean_radiance: 2.0 * 1024.0, ..form };
         assert_eq!(
-            brighter.of(&estimate(1024.0, 8.0 * 1024.0 * 1024.0), 0.0, &guide(5)),
-            form.of(&estimate(1.0, 8.0), 0.0, &guide(5))
+            brighter.of(&estimate(1024.0, 8.0 * 1024.0 * 1024.0), 0.0, &guide(5), 7),
+            form.of(&estimate(1.0, 8.0), 0.0, &guide(5), 7)
         );
     }
 
@@ -265,13 +290,13 @@ mod tests {
     fn pixels_converge_when_all_that_is_known_of_their_error_is_small() {
         for relative in [0, 1] {
             let form = ErrorForm { noise: 0.5, relative, mean_radiance: 0.0, ..FORM };
-            assert_eq!(form.of(&estimate(2.0, 1.0), 1.0, &guide(5)), CONVERGED);
-            assert_eq!(form.of(&estimate(2.0, 0.0), 0.0, &guide(5)), CONVERGED);
-            assert_eq!(form.of(&estimate(0.0, 0.0), 0.0, &guide(5)), CONVERGED, "black");
-            assert!(form.of(&estimate(2.0, 1.01), 1.0, &guide(5)) > 0.0);
-            assert!(form.of(&estimate(2.0, 0.1), 1.01, &guide(5)) > 0.0);
+            assert_eq!(form.of(&estimate(2.0, 1.0), 1.0, &guide(5), 7), CONVERGED);
+            assert_eq!(form.of(&estimate(2.0, 0.0), 0.0, &guide(5), 7), CONVERGED);
+            assert_eq!(form.of(&estimate(0.0, 0.0), 0.0, &guide(5), 7), CONVERGED, "black");
+            assert!(form.of(&estimate(2.0, 1.01), 1.0, &guide(5), 7) > 0.0);
+            assert!(form.of(&estimate(2.0, 0.1), 1.01, &guide(5), 7) > 0.0);
             assert!(
-                ErrorForm { noise: 0.0, ..form }.of(&estimate(2.0, 1e-9), 0.0, &guide(5)) > 0.0,
+                ErrorForm { noise: 0.0, ..form }.of(&estimate(2.0, 1e-9), 0.0, &guide(5), 7) > 0.0,
                 "switched off"
             );
         }
@@ -281,11 +306,15 @@ mod tests {
     fn a_pixel_of_many_samples_is_judged_by_its_own_variance() {
         let form = ErrorForm { noise: 0.5, mean_radiance: 0.0, ..FORM };
         let noisy = guide(TRUSTED_SAMPLES);
-        assert!(form.of(&estimate(2.0, 0.1), 0.1, &noisy) > 0.0, "whatever others say");
+        assert!(form.of(&estimate(2.0, 0.1), 0.1, &noisy, 7) > 0.0, "whatever others say");
         let calm = Guide { variance: 0.25, ..noisy };
-        assert_eq!(form.of(&estimate(2.0, 100.0), 100.0, &calm), CONVERGED, "whatever others say");
+        assert_eq!(
+            form.of(&estimate(2.0, 100.0), 100.0, &calm, 7),
+            CONVERGED,
+            "whatever others say"
+        );
         assert!(
-            form.of(&estimate(2.0, 100.0), 0.1, &Guide { samples: TRUSTED_SAMPLES - 1, ..calm })
+            form.of(&estimate(2.0, 100.0), 0.1, &Guide { samples: TRUSTED_SAMPLES - 1, ..calm }, 7)
                 > 0.0
         );
     }
@@ -294,14 +323,14 @@ mod tests {
     fn what_is_not_finite_asks_for_nothing() {
         for form in [FORM, ErrorForm { relative: 1, noise: 0.1, ..FORM }] {
             for bad in [f32::NAN, f32::INFINITY] {
-                assert_eq!(form.of(&estimate(1.0, bad), 1.0, &guide(5)), 0.0);
-                assert_eq!(form.of(&estimate(1.0, 1.0), bad, &guide(5)), 0.0);
-                assert_eq!(form.of(&estimate(bad, f32::NAN), 1.0, &guide(5)), 0.0);
+                assert_eq!(form.of(&estimate(1.0, bad), 1.0, &guide(5), 7), 0.0);
+                assert_eq!(form.of(&estimate(1.0, 1.0), bad, &guide(5), 7), 0.0);
+                assert_eq!(form.of(&estimate(bad, f32::NAN), 1.0, &guide(5), 7), 0.0);
             }
         }
         // A black picture with an error: over nothing, so of no known size.
         assert_eq!(
-            ErrorForm { mean_radiance: 0.0, ..FORM }.of(&estimate(0.0, 1.0), 1.0, &guide(5)),
+            ErrorForm { mean_radiance: 0.0, ..FORM }.of(&estimate(0.0, 1.0), 1.0, &guide(5), 7),
             0.0
         );
     }

@@ -5,7 +5,7 @@
 //! to fuse and no order to vary. The same contributions give the same film, bit for bit, on any
 //! processor that adds like IEEE 754.
 
-use super::stream::{RunWindow, Runs};
+use super::stream::{RunWindow, Runs, counted, is_second};
 use super::{Contribution, FilmPixel};
 use crate::glam::UVec4;
 use crate::memory::access::at;
@@ -59,6 +59,7 @@ pub fn accumulate_runs(
     let contributions = ContributionView::new(contributions);
     let last = end - 1;
     let mut pixel = *film;
+    let mut count = counted(window.half, &pixel);
     // Sums must be taken in order, but loads need not wait for them. The next four are loaded a
     // turn before they are added: a compiler that has them in the same turn delays each until it is
     // added, and a long run takes as long as its loads, one after the other.
@@ -75,17 +76,18 @@ pub fn accumulate_runs(
             load(&contributions, last, slot + 6),
             load(&contributions, last, slot + 7),
         );
-        pixel.add(&a);
+        pixel.add(&a, is_second(window.half, count));
         if slot < last {
-            pixel.add(&b);
+            pixel.add(&b, is_second(window.half, count + 1));
         }
         if slot + 1 < last {
-            pixel.add(&c);
+            pixel.add(&c, is_second(window.half, count + 2));
         }
         if slot + 2 < last {
-            pixel.add(&d);
+            pixel.add(&d, is_second(window.half, count + 3));
         }
         slot += 4;
+        count += 4;
         (a, b, c, d) = next;
     }
     *film = pixel;
@@ -98,9 +100,9 @@ fn load(contributions: &ContributionView<'_>, last: u32, slot: u32) -> Contribut
 }
 
 device_struct! {
-    /// The parameters of a count of rays. 16 bytes.
+    /// The parameters of a count of rays or of samples. 16 bytes.
     pub struct CountParams {
-        /// Partial sums.
+        /// Partial sums of rays; pixels whose samples are counted.
         pub threads: u32,
         /// Pixels of the film that is bound.
         pub pixels: u32,
@@ -109,6 +111,11 @@ device_struct! {
         /// Unused; zero.
         pub pad1: u32,
     }
+}
+
+/// Kernel: the samples of pixel `lane` of a film.
+pub fn copy_counts(lane: u32, _: &CountParams, film: &[FilmPixel], count: &mut u32) {
+    *count = at(film, lane).samples();
 }
 
 /// Kernel: the rays of every `threads`-th pixel, from pixel `lane` on.

@@ -1,6 +1,12 @@
 //! The film: what has been measured of each pixel, and what a path adds to it.
+//!
+//! The samples of a pixel are of two **halves**, each a sequence with a scramble of its own, so
+//! that the halves are independent of each other. (Even and odd samples of one Sobol sequence are
+//! not: they lie in opposite halves of the first dimension.) Which half a sample is of is the top
+//! bit of its number, see [`stream`].
 
 pub mod accumulate;
+pub mod control;
 pub mod stream;
 pub mod tiles;
 
@@ -35,33 +41,44 @@ impl Contribution {
 device_struct! {
     /// The radiance of one pixel: sums over its samples. 48 bytes.
     pub struct FilmPixel {
-        /// Sum of radiance.
-        pub sum: Vec3,
-        /// Samples accumulated.
-        pub samples: u32,
-        /// Sum of squared radiance by component, for the variance.
+        /// Sum of radiance over the samples of the first half.
+        pub first_sum: Vec3,
+        /// Samples of the first half.
+        pub first_samples: u32,
+        /// Sum of radiance over the samples of the second half.
+        pub second_sum: Vec3,
+        /// Samples of the second half.
+        pub second_samples: u32,
+        /// Sum of squared radiance by component over all samples, for the variance.
         pub sum_of_squares: Vec3,
         /// Rays traced.
         pub rays: u32,
-        /// Sum of radiance over the samples of odd number (`samples / 2` of them): one of two
-        /// independent halves.
-        pub odd_sum: Vec3,
-        /// Unused; zero.
-        pub pad: u32,
     }
 }
 
 impl FilmPixel {
-    /// Adds the next sample. Nothing but additions of what lies in memory: no rounding depends on
-    /// the device.
-    pub fn add(&mut self, contribution: &Contribution) {
-        self.sum += contribution.radiance;
+    /// Sum of radiance over all samples.
+    pub fn sum(&self) -> Vec3 {
+        self.first_sum + self.second_sum
+    }
+
+    /// Samples accumulated.
+    pub fn samples(&self) -> u32 {
+        self.first_samples + self.second_samples
+    }
+
+    /// Adds the next sample of a half. Nothing but additions of what lies in memory: no rounding
+    /// depends on the device.
+    pub fn add(&mut self, contribution: &Contribution, is_second: bool) {
+        if is_second {
+            self.second_sum += contribution.radiance;
+            self.second_samples += 1;
+        } else {
+            self.first_sum += contribution.radiance;
+            self.first_samples += 1;
+        }
         self.sum_of_squares += contribution.squared;
         self.rays += contribution.rays;
-        if self.samples & 1 == 1 {
-            self.odd_sum += contribution.radiance;
-        }
-        self.samples += 1;
     }
 }
 
@@ -88,12 +105,13 @@ mod tests {
         );
         let pixel = [
             size_of::<FilmPixel>(),
-            offset_of!(FilmPixel, sum),
-            offset_of!(FilmPixel, samples),
+            offset_of!(FilmPixel, first_sum),
+            offset_of!(FilmPixel, first_samples),
+            offset_of!(FilmPixel, second_sum),
+            offset_of!(FilmPixel, second_samples),
             offset_of!(FilmPixel, sum_of_squares),
             offset_of!(FilmPixel, rays),
-            offset_of!(FilmPixel, odd_sum),
         ];
-        assert_eq!(pixel, [PIXEL_WORDS, 0, 3, 4, 7, 8].map(|word| 4 * word as usize));
+        assert_eq!(pixel, [PIXEL_WORDS, 0, 3, 4, 7, 8, 11].map(|word| 4 * word as usize));
     }
 }

@@ -6,6 +6,7 @@
 //! accumulation is a loop over a pixel's own run.
 
 use crate::film::FilmPixel;
+use crate::math::random::SECOND_HALF;
 use crate::memory::access::{Scatter, at, local, local_mut};
 use crate::memory::device_struct;
 use crate::parallel::prefix::{LANES, Lane};
@@ -15,17 +16,46 @@ device_struct! {
     pub struct Slot {
         /// Rank of the pixel, or [`NO_PIXEL`].
         pub rank: u32,
-        /// Which sample of the pixel this is, counted from 0 over the whole render: the index into
-        /// its sample sequence.
+        /// Which sample of the pixel this is: its half by [`SECOND_HALF`], and its number in that,
+        /// counted from 0 over the whole render, which is the index into the half's sequence.
         pub sample: u32,
     }
+}
+
+/// [`RunWindow::half`]: all samples are of the first half.
+pub const FIRST: u32 = 0;
+/// [`RunWindow::half`]: all samples are of the second half.
+pub const SECOND: u32 = 1;
+/// [`RunWindow::half`]: the halves take turns, the first one begins.
+pub const BY_TURNS: u32 = 2;
+
+/// Samples that a pixel has of those that `half` counts.
+pub fn counted(half: u32, pixel: &FilmPixel) -> u32 {
+    if half == FIRST {
+        pixel.first_samples
+    } else if half == SECOND {
+        pixel.second_samples
+    } else {
+        pixel.samples()
+    }
+}
+
+/// Whether the sample after `count` of those that `half` counts is of the second half.
+pub fn is_second(half: u32, count: u32) -> bool {
+    half == SECOND || half == BY_TURNS && count & 1 == 1
+}
+
+/// [`Slot::sample`] of the sample after `count` of those that `half` counts.
+pub fn sample_number(half: u32, count: u32) -> u32 {
+    let number = if half == BY_TURNS { count >> 1 } else { count };
+    if is_second(half, count) { number | SECOND_HALF } else { number }
 }
 
 /// [`Slot::rank`] of a slot that stays empty.
 pub const NO_PIXEL: u32 = u32::MAX;
 
 device_struct! {
-    /// The runs of a stretch of pixels that follow each other in rank order. 16 bytes.
+    /// The runs of a stretch of pixels that follow each other in rank order. 32 bytes.
     pub struct RunWindow {
         /// Lanes of the launch.
         pub threads: u32,
@@ -35,6 +65,15 @@ device_struct! {
         pub pixels: u32,
         /// Slots of each pixel; 0 where runs have lengths of their own.
         pub samples: u32,
+        /// The slot where the window's runs begin: what is added to the places that runs have by
+        /// themselves.
+        pub first_slot: u32,
+        /// Which half samples are of: [`FIRST`], [`SECOND`] or [`BY_TURNS`].
+        pub half: u32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
     }
 }
 
@@ -53,17 +92,21 @@ impl<'a> Runs<'a> {
         Self { window: *window, starts }
     }
 
-    /// The first slot of the run of a pixel, counted from the window's first; that of the pixel
-    /// after the last is the end.
+    /// The first slot of the run of a pixel; that of the pixel after the last is the end.
     pub fn start(&self, pixel: u32) -> u32 {
-        if self.window.samples > 0 { pixel * self.window.samples } else { at(self.starts, pixel) }
+        let place = if self.window.samples > 0 {
+            pixel * self.window.samples
+        } else {
+            at(self.starts, pixel)
+        };
+        self.window.first_slot + place
     }
 }
 
 /// Phases of [`fill_runs`].
 pub const PHASES: u32 = 2;
 /// The memory of a workgroup that fills runs: where the runs of its pixels begin, where the last
-/// one ends, and the numbers of their first samples.
+/// one ends, and how many samples they have had.
 pub type Memory = [u32; (2 * LANES + 1) as usize];
 const END: u32 = LANES;
 const SAMPLES: u32 = END + 1;
@@ -87,7 +130,7 @@ pub fn fill_runs(
         // Beyond the window all runs begin where the last one ends.
         *local_mut(memory, lane.index) = runs.start(pixel.min(window.pixels));
         if pixel < window.pixels {
-            *local_mut(memory, SAMPLES + lane.index) = at(film, pixel).samples;
+            *local_mut(memory, SAMPLES + lane.index) = counted(window.half, &at(film, pixel));
         }
         if lane.index == 0 {
             *local_mut(memory, END) = runs.start((first_pixel + LANES).min(window.pixels));
@@ -96,8 +139,9 @@ pub fn fill_runs(
         let mut slot = local(memory, 0) + lane.index;
         while slot < local(memory, END) {
             let run = run_of(memory, slot);
-            let sample = local(memory, SAMPLES + run) + (slot - local(memory, run));
-            slots.set(slot, Slot { rank: window.first_rank + first_pixel + run, sample });
+            let count = local(memory, SAMPLES + run) + (slot - local(memory, run));
+            let rank = window.first_rank + first_pixel + run;
+            slots.set(slot, Slot { rank, sample: sample_number(window.half, count) });
             slot += LANES;
         }
     }

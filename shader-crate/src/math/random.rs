@@ -1,9 +1,10 @@
 //! Random numbers: Owen-scrambled Sobol points, or independent ones. Integers only, so that every
 //! processor draws the same.
 //!
-//! A pixel has one sequence per **dimension**, a pair of numbers: the camera takes the first, every
-//! vertex of a path the next [`DIMENSIONS_PER_VERTEX`]. The sequence is indexed by the pixel's
-//! running sample count, so adaptive rounds continue where the last one stopped.
+//! Each half of a pixel's samples (see [`crate::film`]) has one sequence per **dimension**, a pair
+//! of numbers: the camera takes the first, every vertex of a path the next
+//! [`DIMENSIONS_PER_VERTEX`]. The sequence is indexed by the half's running sample count, so
+//! adaptive rounds continue where the last one stopped.
 
 /// Pairs of numbers that a path vertex may draw: [`BSDF`], [`LIGHT_POINT`], [`CHOICES`].
 pub const DIMENSIONS_PER_VERTEX: u32 = 3;
@@ -28,6 +29,9 @@ pub const SOBOL: u32 = 0;
 /// [`RandomNumbers::new`]'s `kind` for independent uniform numbers.
 pub const INDEPENDENT: u32 = 1;
 
+/// The bit of a sample's number that says that it is of the pixel's second half.
+pub const SECOND_HALF: u32 = 1 << 31;
+
 /// The random numbers of one path.
 #[derive(Clone, Copy)]
 pub struct RandomNumbers {
@@ -37,10 +41,13 @@ pub struct RandomNumbers {
 }
 
 impl RandomNumbers {
-    /// The numbers of sample `index` of a pixel. `pixel` is any number that is the pixel's own;
-    /// renders with different `seed`s are independent of each other.
-    pub fn new(kind: u32, seed: u32, pixel: u32, index: u32) -> Self {
-        Self { kind, pixel_seed: hash(pixel ^ hash(seed)), index }
+    /// The numbers of sample `sample` of a pixel, as [`Slot::sample`](crate::film::stream::Slot)
+    /// has it: each half has a scramble of its own. `pixel` is any number below 2^31 that is the
+    /// pixel's own; renders with different `seed`s are independent of each other.
+    pub fn new(kind: u32, seed: u32, pixel: u32, sample: u32) -> Self {
+        // For the second half the pixel is another one, which no picture has.
+        let pixel = pixel ^ sample & SECOND_HALF;
+        Self { kind, pixel_seed: hash(pixel ^ hash(seed)), index: sample & !SECOND_HALF }
     }
 
     /// Two numbers in [0, 1), uniform over the unit square.

@@ -20,6 +20,33 @@ impl Wide {
         Self { high: self.high.wrapping_add(other.high).wrapping_add(carry), low }
     }
 
+    /// `self - other`, modulo 2^64.
+    pub fn minus(self, other: Self) -> Self {
+        let borrow = (self.low < other.low) as u32;
+        Self {
+            high: self.high.wrapping_sub(other.high).wrapping_sub(borrow),
+            low: self.low.wrapping_sub(other.low),
+        }
+    }
+
+    /// Whether it is less than `other`.
+    pub fn is_below(self, other: Self) -> bool {
+        self.high < other.high || self.high == other.high && self.low < other.low
+    }
+
+    /// `self << shift`, modulo 2^64; zero from 64 on.
+    pub fn shifted_left(self, shift: u32) -> Self {
+        if shift == 0 {
+            self
+        } else if shift < 32 {
+            Self { high: self.high << shift | self.low >> (32 - shift), low: self.low << shift }
+        } else if shift < 64 {
+            Self { high: self.low << (shift - 32), low: 0 }
+        } else {
+            Self::ZERO
+        }
+    }
+
     /// `self >> shift`; zero from 64 on.
     pub fn shifted_right(self, shift: u32) -> Self {
         if shift == 0 {
@@ -95,9 +122,12 @@ mod tests {
             assert_eq!(number(multiply(a, b)), u64::from(a) * u64::from(b), "{a} * {b}");
             let (x, y) = (u64::from(a) << 32 | u64::from(b), u64::from(b) << 31 | u64::from(a));
             assert_eq!(number(wide(x).plus(wide(y))), x.wrapping_add(y));
+            assert_eq!(number(wide(x).minus(wide(y))), x.wrapping_sub(y));
+            assert_eq!(wide(x).is_below(wide(y)), x < y);
             assert_eq!(wide(x).bits(), 64 - x.leading_zeros());
             for shift in [0, 1, 31, 32, 33, 63, 64, 100] {
                 assert_eq!(number(wide(x).shifted_right(shift)), x.checked_shr(shift).unwrap_or(0));
+                assert_eq!(number(wide(x).shifted_left(shift)), x.checked_shl(shift).unwrap_or(0));
             }
             let c = word((i * 7 + j * 13) % count).max(1);
             if let Ok(expected) = u32::try_from(u64::from(a) * u64::from(b) / u64::from(c)) {

@@ -37,7 +37,7 @@ pub fn rounds<E: Executor>(
     for _ in 0..count {
         renderer.uniform_round(samples).finish().expect("the device works");
         let film = renderer.film().expect("the device works");
-        let sums: Vec<DVec3> = film.radiance.iter().map(|pixel| pixel.sum.as_dvec3()).collect();
+        let sums: Vec<DVec3> = film.radiance.iter().map(|pixel| pixel.sum().as_dvec3()).collect();
         pictures.push(
             sums.iter()
                 .zip(&before)
@@ -179,7 +179,7 @@ fn every_allocator_renders_with_it() {
         let mut renderer = Renderer::new(&CpuExecutor, &prepared, &settings).unwrap();
         let outcome = run(&mut renderer, Budget::samples(24), &|| false, &mut |_| ()).unwrap();
         let film = renderer.film().unwrap();
-        let samples: u64 = film.radiance.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        let samples: u64 = film.radiance.iter().map(|pixel| u64::from(pixel.samples())).sum();
         assert_eq!((samples, outcome.paths), (24 * 192, 24 * 192), "{allocator:?}");
         assert!(
             film.color().iter().all(|color| color.is_finite() && color.max_element() > 0.0),

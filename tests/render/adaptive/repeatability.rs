@@ -46,10 +46,7 @@ fn films_are_the_same_on_the_cpu_whatever_the_batches() {
         assert!(first == second, "{name}");
         let (slow, short_batches) =
             film(&small(&CpuExecutor).with_slow_batches(&table::trace_paths, 3), &scene, &settings);
-        assert!(
-            short_batches > batches,
-            "{name}: {batches} batches, and {short_batches} after slow ones"
-        );
+        assert_ne!(short_batches, batches, "{name}: slow batches change how rounds are cut");
         assert!(first == slow, "{name}: batches show");
         let (other, _) = film(&small(&CpuExecutor), &scene, &Settings { seed: 2, ..settings });
         assert!(first != other, "{name}: another seed is another film");

@@ -55,7 +55,7 @@ impl Spread {
         let mut sums = Vec::new();
         for _ in 0..ROUNDS {
             renderer.uniform_round(samples).finish()?;
-            let sum: f64 = renderer.film()?.radiance.iter().map(|p| gray(p.sum)).sum();
+            let sum: f64 = renderer.film()?.radiance.iter().map(|p| gray(p.sum())).sum();
             sums.push((sum - before) / f64::from(samples));
             before = sum;
         }
@@ -160,8 +160,8 @@ mod tests {
     /// 0.045 that of their means.
     fn film(value: f32) -> Film {
         let pixel = FilmPixel {
-            sum: Vec3::splat(9.0 * value),
-            samples: 9,
+            first_sum: Vec3::splat(9.0 * value),
+            first_samples: 9,
             sum_of_squares: Vec3::splat(9.0 * (value * value + 0.36)),
             ..Default::default()
         };
@@ -171,6 +171,7 @@ mod tests {
             radiance: vec![pixel; 100],
             features: Vec::new(),
             estimates: None,
+            corrections: None,
         }
     }
 

@@ -209,8 +209,8 @@ mod tests {
         let film = |mean: f32| {
             let sum_of_squares = Vec3::splat((mean - 1.0).powi(2) + (mean + 1.0).powi(2));
             let pixel = FilmPixel {
-                sum: Vec3::splat(2.0 * mean),
-                samples: 2,
+                first_sum: Vec3::splat(2.0 * mean),
+                first_samples: 2,
                 sum_of_squares,
                 ..Default::default()
             };
@@ -220,6 +220,7 @@ mod tests {
                 radiance: vec![pixel],
                 features: Vec::new(),
                 estimates: None,
+                corrections: None,
             }
         };
         let reference = Reference::of_halves(&film(1.0), &film(3.0), 4, IntegratorKind::Lvc);

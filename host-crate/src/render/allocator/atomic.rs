@@ -1,10 +1,11 @@
 //! The allocator `atomic`: every pixel in proportion to its error, slots and sums by atomics, in
 //! the order in which they come.
 
-use super::runs::{RunTable, Weights};
-use super::{Allocator, RoundBuffers, Stream, one_stream};
+use super::error_scale::ErrorScale;
+use super::run_table::RunTable;
+use super::{Allocator, RoundBuffers, Stream};
 use crate::exec::{Array, Counter, ExecError, Executor, Launch, kernels};
-use crate::render::film::FilmBuffers;
+use bytemuck::Zeroable;
 use raystream_shaders::allocator::atomic::STRETCH;
 use raystream_shaders::film::stream::RunWindow;
 
@@ -14,6 +15,7 @@ const HALF: u32 = 128;
 
 /// In proportion to the error, by atomics.
 pub struct Atomic<B> {
+    scale: ErrorScale<B>,
     table: RunTable<B>,
     /// The first slot that each pixel has reserved.
     reserved: Array<B, u32>,
@@ -24,6 +26,7 @@ impl<B> Atomic<B> {
     /// For pictures of `pixels` pixels.
     pub fn new<E: Executor<Buffer = B>>(executor: &E, pixels: u32) -> Result<Self, ExecError> {
         Ok(Self {
+            scale: ErrorScale::new(executor, pixels)?,
             table: RunTable::new(executor, pixels)?,
             reserved: Array::zeroed(executor, "the slots that pixels reserve", pixels as usize)?,
             counter: Counter::new(executor, "the counter of slots")?,
@@ -32,22 +35,31 @@ impl<B> Atomic<B> {
 }
 
 impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
-    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream> {
-        one_stream(film, paths, largest)
-    }
-
     fn fill<'a>(
         &'a self,
         buffers: &RoundBuffers<'a, E::Buffer>,
         stream: &Stream,
     ) -> Vec<Launch<'a, E::Buffer>> {
-        let as_they_are = Weights { uniform: 0, largest: u32::MAX };
-        let mut launches = self.table.fill(buffers.errors, stream.slots, as_they_are, HALF);
+        let parameters = self.table.parameters(stream.slots, HALF);
+        let mut launches = self.scale.launches(buffers.errors);
+        launches.push(kernels::weigh_errors(
+            &parameters,
+            buffers.errors.view(),
+            self.scale.totals.view(),
+            self.table.weights.view(),
+            self.table.sums.view(),
+        ));
+        launches.extend(self.table.lay_out(&parameters));
         launches.push(self.counter.clear());
         for band in buffers.film.bands() {
             let pixels = band.film.len() as u32;
-            let window =
-                RunWindow { threads: pixels, first_rank: band.first_rank, pixels, samples: 0 };
+            let window = RunWindow {
+                threads: pixels,
+                first_rank: band.first_rank,
+                pixels,
+                half: buffers.split.of_adaptive(),
+                ..RunWindow::zeroed()
+            };
             let first = band.first_rank as usize;
             let reserved = || self.reserved.slice(first..first + band.film.len());
             launches.push(kernels::reserve_slots(
@@ -80,7 +92,7 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
                     threads: stream.slots.div_ceil(STRETCH),
                     first_rank: band.first_rank,
                     pixels: band.film.len() as u32,
-                    samples: 0,
+                    ..RunWindow::zeroed()
                 },
                 buffers.slots.slice(0..slots),
                 buffers.contributions.slice(0..slots).cast(),

@@ -2,67 +2,87 @@
 //!
 //! | name | what it is |
 //! |---|---|
-//! | [`uniform`] | every pixel equally |
-//! | [`runs`] | in proportion to the error, each pixel a run of consecutive slots |
+//! | [`uniform`] | every pixel equally: what each round begins with |
+//! | [`runs`] | filled up to what the error deserves, each pixel a run of consecutive slots |
 //! | [`paper`] | streams of pixels whose error exceeds random thresholds |
 //! | [`atomic`] | in proportion to the error, slots and sums by atomics |
 
 pub mod atomic;
+mod error_scale;
 pub mod paper;
+mod run_table;
 pub mod runs;
 pub mod sampling;
 pub mod uniform;
 
-use self::sampling::AllocatorKind;
+use self::sampling::{AllocatorKind, Split};
+use self::uniform::Uniform;
 use super::film::FilmBuffers;
 use crate::exec::{Array, ExecError, Executor, Launch};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
 use std::ops::Range;
 
-/// Turns errors into sample streams, and streams into film.
+/// Turns errors into the adaptive part of a sample stream, and that into film. ([`Allocation`],
+/// which is one too, does so with both parts.)
 ///
-/// A pixel's sample numbers continue its film's count without gaps. Samples are added to a pixel in
-/// the order of their numbers, by one thread at a time: then the film does not depend on the
+/// A pixel's sample numbers continue its film's counts without gaps. Samples are added to a pixel
+/// in the order of their numbers, by one thread at a time: then the film does not depend on the
 /// device. (All but [`atomic`] keep to this.)
 pub trait Allocator<E: Executor>: Send + Sync {
-    /// Cuts a round of `paths` paths into streams of at most `largest` slots.
-    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream>;
-
-    /// Launches that make the stream `stream` of the errors and of the film's counts.
+    /// Launches that fill the adaptive part of `stream`, by the errors and the film's counts.
     fn fill<'a>(
         &'a self,
         buffers: &RoundBuffers<'a, E::Buffer>,
         stream: &Stream,
     ) -> Vec<Launch<'a, E::Buffer>>;
 
-    /// Launches that add the stream's contributions to the film.
+    /// Launches that add the contributions of that part to the film.
     fn accumulate<'a>(
         &'a self,
         buffers: &RoundBuffers<'a, E::Buffer>,
         stream: &Stream,
     ) -> Vec<Launch<'a, E::Buffer>>;
 
-    /// How many of the stream's slots were filled, once it has been accumulated.
+    /// How many slots of that part were filled, once it has been accumulated.
     fn filled(&self, _executor: &E, stream: &Stream) -> Result<u32, ExecError> {
-        Ok(stream.slots)
+        Ok(stream.adaptive_slots())
     }
 }
 
-/// A stream of a round.
+/// A stream of a round: a uniform part, then an adaptive one. Either may be empty.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stream {
     /// Ranks of the pixels that it may sample; a multiple of
-    /// [`WINDOW_ALIGNMENT`](super::film::WINDOW_ALIGNMENT) at its start.
+    /// [`WINDOW_ALIGNMENT`](super::film::WINDOW_ALIGNMENT) at its start, all of them where there is
+    /// an adaptive part.
     pub pixels: Range<u32>,
-    /// Its slots.
+    /// Samples of each pixel in the uniform part.
+    pub uniform: u32,
+    /// Slots of both parts.
     pub slots: u32,
+}
+
+impl Stream {
+    /// Slots of the uniform part, which is the first.
+    pub fn uniform_slots(&self) -> u32 {
+        self.uniform * self.pixels.len() as u32
+    }
+
+    /// Slots of the adaptive part.
+    pub fn adaptive_slots(&self) -> u32 {
+        self.slots - self.uniform_slots()
+    }
 }
 
 /// What the launches of a round work on.
 pub struct RoundBuffers<'a, B> {
     /// The film.
     pub film: &'a FilmBuffers<B>,
+    /// Paths that the film has, at least.
+    pub paths: u64,
+    /// How samples are split into halves.
+    pub split: Split,
     /// The error of each pixel, in rank order, see [`raystream_shaders::allocator::error_scale`].
     /// Of any length where nobody estimates.
     pub errors: &'a Array<B, f32>,
@@ -82,21 +102,76 @@ impl<B> Clone for RoundBuffers<'_, B> {
 
 impl<B> Copy for RoundBuffers<'_, B> {}
 
-/// A new allocator for pictures of `pixels` pixels; it asks for memory only as far as it needs it.
-pub fn create<E: Executor>(
-    kind: AllocatorKind,
-    executor: &E,
-    pixels: u32,
-) -> Result<Box<dyn Allocator<E>>, ExecError> {
-    Ok(match kind {
-        AllocatorKind::Uniform => Box::new(uniform::Uniform::new(executor)?),
-        AllocatorKind::Paper => Box::new(paper::Paper::new(executor, pixels)?),
-        AllocatorKind::Atomic => Box::new(atomic::Atomic::new(executor, pixels)?),
-        AllocatorKind::Runs => Box::new(runs::Runs::new(executor, pixels)?),
-    })
+/// Both parts of every stream: what pixels get alike, and what an allocator makes of the errors.
+pub struct Allocation<E: Executor> {
+    uniform: Uniform<E::Buffer>,
+    /// None for [`AllocatorKind::Uniform`].
+    adaptive: Option<Box<dyn Allocator<E>>>,
 }
 
-/// One stream over the whole picture.
-fn one_stream<B>(film: &FilmBuffers<B>, paths: u64, largest: u32) -> Vec<Stream> {
-    vec![Stream { pixels: 0..film.pixels(), slots: paths.min(u64::from(largest)) as u32 }]
+impl<E: Executor> Allocation<E> {
+    /// For pictures of `pixels` pixels; it asks for memory only as far as it needs it.
+    pub fn new(kind: AllocatorKind, executor: &E, pixels: u32) -> Result<Self, ExecError> {
+        let adaptive: Option<Box<dyn Allocator<E>>> = match kind {
+            AllocatorKind::Uniform => None,
+            AllocatorKind::Paper => Some(Box::new(paper::Paper::new(executor, pixels)?)),
+            AllocatorKind::Atomic => Some(Box::new(atomic::Atomic::new(executor, pixels)?)),
+            AllocatorKind::Runs => Some(Box::new(runs::Runs::new(executor, pixels)?)),
+        };
+        Ok(Self { uniform: Uniform::new(executor)?, adaptive })
+    }
+
+    fn adaptive_part(&self, stream: &Stream) -> Option<&dyn Allocator<E>> {
+        self.adaptive.as_deref().filter(|_| stream.adaptive_slots() > 0)
+    }
+}
+
+impl<E: Executor> Allocator<E> for Allocation<E> {
+    fn fill<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
+        let mut launches = self.uniform.fill(buffers, stream);
+        if let Some(allocator) = self.adaptive_part(stream) {
+            launches.extend(allocator.fill(buffers, stream));
+        }
+        launches
+    }
+
+    fn accumulate<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, E::Buffer>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, E::Buffer>> {
+        let mut launches = self.uniform.accumulate(buffers, stream);
+        if let Some(allocator) = self.adaptive_part(stream) {
+            launches.extend(allocator.accumulate(buffers, stream));
+        }
+        launches
+    }
+
+    fn filled(&self, executor: &E, stream: &Stream) -> Result<u32, ExecError> {
+        let adaptive =
+            self.adaptive_part(stream).map(|a| a.filled(executor, stream)).transpose()?;
+        Ok(stream.uniform_slots() + adaptive.unwrap_or(0))
+    }
+}
+
+/// Cuts a round, of `uniform` samples for each pixel and `adaptive` slots beside, into streams of
+/// at most `largest` slots: one, if it fits. Else the uniform part is cut into windows of pixels
+/// whose slots fit, and where even the smallest window's do not, into passes of fewer samples; the
+/// adaptive part follows, cut off where it is too long.
+pub fn streams<B>(film: &FilmBuffers<B>, uniform: u32, adaptive: u64, largest: u32) -> Vec<Stream> {
+    let pixels = 0..film.pixels();
+    let all = u64::from(uniform) * u64::from(film.pixels()) + adaptive;
+    if adaptive > 0 && all <= u64::from(largest) {
+        return vec![Stream { pixels, uniform, slots: all as u32 }];
+    }
+    let mut streams = uniform::windows_of(film, uniform, largest);
+    if adaptive > 0 {
+        let slots = adaptive.min(u64::from(largest)) as u32;
+        streams.push(Stream { pixels, uniform: 0, slots });
+    }
+    streams
 }

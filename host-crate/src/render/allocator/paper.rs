@@ -1,11 +1,12 @@
 //! The allocator `paper`: streams of pixels whose error exceeds random thresholds; see
 //! [`raystream_shaders::allocator::paper`].
 
-use super::runs::ErrorScale;
-use super::{Allocator, RoundBuffers, Stream, one_stream};
+use super::error_scale::ErrorScale;
+use super::{Allocator, RoundBuffers, Stream};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
-use crate::render::film::FilmBuffers;
+use bytemuck::Zeroable;
 use raystream_shaders::allocator::paper::{PaperParams, PaperState, STREAMS};
+use raystream_shaders::film::accumulate::CountParams;
 use raystream_shaders::film::stream::RunWindow;
 use raystream_shaders::math::random::hash;
 use raystream_shaders::parallel::prefix::BlockParams;
@@ -53,9 +54,7 @@ impl<B> Paper<B> {
             blocks: BlockParams::per_block(self.pixels).blocks,
             slots: stream.slots,
             stream: number,
-            salt: 0,
-            first_rank: 0,
-            film_pixels: 0,
+            ..PaperParams::zeroed()
         }
     }
 
@@ -67,7 +66,8 @@ impl<B> Paper<B> {
         number: u32,
     ) -> [Launch<'a, B>; 6] {
         let salt = hash(buffers.salt ^ hash(number));
-        let parameters = PaperParams { salt, ..self.parameters(stream, number, self.pixels) };
+        let half = buffers.split.of_adaptive();
+        let parameters = PaperParams { salt, half, ..self.parameters(stream, number, self.pixels) };
         let per_block = BlockParams::per_block(self.pixels);
         [
             kernels::paper_select(
@@ -97,10 +97,6 @@ impl<B> Paper<B> {
 }
 
 impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
-    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream> {
-        one_stream(film, paths, largest)
-    }
-
     fn fill<'a>(
         &'a self,
         buffers: &RoundBuffers<'a, E::Buffer>,
@@ -108,13 +104,13 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
     ) -> Vec<Launch<'a, E::Buffer>> {
         let mut launches = self.scale.launches(buffers.errors);
         launches.push(kernels::clear_slots(
-            &RunWindow { threads: stream.slots, first_rank: 0, pixels: 0, samples: 0 },
+            &RunWindow { threads: stream.slots, ..RunWindow::zeroed() },
             buffers.slots.slice(0..stream.slots as usize),
         ));
         for band in buffers.film.bands() {
             let first = band.first_rank as usize;
             launches.push(kernels::copy_counts(
-                &self.parameters(stream, 0, band.film.len() as u32),
+                &CountParams { threads: band.film.len() as u32, ..CountParams::zeroed() },
                 band.film.view(),
                 self.counts.slice(first..first + band.film.len()),
             ));

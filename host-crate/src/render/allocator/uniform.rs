@@ -1,8 +1,10 @@
-//! The allocator `uniform`: every pixel gets the same number of samples.
+//! The uniform part of a stream, which is all of it with the allocator `uniform`: every pixel gets
+//! the same number of samples.
 
-use super::{Allocator, RoundBuffers, Stream};
+use super::{RoundBuffers, Stream};
 use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::render::film::{Band, FilmBuffers, WINDOW_ALIGNMENT};
+use bytemuck::Zeroable;
 use raystream_shaders::film::stream::RunWindow;
 use std::ops::Range;
 
@@ -17,81 +19,84 @@ impl<B> Uniform<B> {
     pub fn new<E: Executor<Buffer = B>>(executor: &E) -> Result<Self, ExecError> {
         Ok(Self { no_starts: Array::zeroed(executor, "nothing", 1)? })
     }
-}
 
-impl<E: Executor> Allocator<E> for Uniform<E::Buffer> {
-    /// Cuts the round, `paths / pixels` samples for each pixel, into windows of pixels whose slots
-    /// fit, and where even the smallest window's do not, into passes of fewer samples.
-    fn streams(&self, film: &FilmBuffers<E::Buffer>, paths: u64, largest: u32) -> Vec<Stream> {
-        let mut streams = Vec::new();
-        let mut left = (paths / u64::from(film.pixels())) as u32;
-        while left > 0 {
-            let samples = left.min((largest / WINDOW_ALIGNMENT).max(1));
-            for band in film.bands() {
-                let mut next = 0;
-                while let Some(window) = band.window(next, largest / samples) {
-                    next = window.end;
-                    let pixels = band.first_rank + window.start..band.first_rank + window.end;
-                    streams.push(Stream { slots: pixels.len() as u32 * samples, pixels });
-                }
-            }
-            left -= samples;
+    /// Launches that fill the uniform part of a stream.
+    pub fn fill<'a>(
+        &'a self,
+        buffers: &RoundBuffers<'a, B>,
+        stream: &Stream,
+    ) -> Vec<Launch<'a, B>> {
+        if stream.uniform == 0 {
+            return Vec::new();
         }
-        streams
+        fill_runs(buffers, stream, |_| self.no_starts.view(), Part::Uniform)
     }
 
-    fn fill<'a>(
+    /// Launches that add the contributions of that part to the film.
+    pub fn accumulate<'a>(
         &'a self,
-        buffers: &RoundBuffers<'a, E::Buffer>,
+        buffers: &RoundBuffers<'a, B>,
         stream: &Stream,
-    ) -> Vec<Launch<'a, E::Buffer>> {
-        fill_runs(
-            buffers,
-            stream,
-            |_| self.no_starts.view(),
-            stream.slots / stream.pixels.len() as u32,
-        )
-    }
-
-    fn accumulate<'a>(
-        &'a self,
-        buffers: &RoundBuffers<'a, E::Buffer>,
-        stream: &Stream,
-    ) -> Vec<Launch<'a, E::Buffer>> {
-        accumulate_runs(
-            buffers,
-            stream,
-            |_| self.no_starts.view(),
-            stream.slots / stream.pixels.len() as u32,
-        )
+    ) -> Vec<Launch<'a, B>> {
+        if stream.uniform == 0 {
+            return Vec::new();
+        }
+        accumulate_runs(buffers, stream, |_| self.no_starts.view(), Part::Uniform)
     }
 }
 
-/// Fills a stream of runs: of `samples` slots each, or as `starts` (of a band's pixels) says where
-/// that is 0.
+/// Streams that give every pixel `samples` samples.
+pub(super) fn windows_of<B>(film: &FilmBuffers<B>, samples: u32, largest: u32) -> Vec<Stream> {
+    let mut streams = Vec::new();
+    let mut left = samples;
+    while left > 0 {
+        let uniform = left.min((largest / WINDOW_ALIGNMENT).max(1));
+        for band in film.bands() {
+            let mut next = 0;
+            while let Some(window) = band.window(next, largest / uniform) {
+                next = window.end;
+                let pixels = band.first_rank + window.start..band.first_rank + window.end;
+                streams.push(Stream { slots: pixels.len() as u32 * uniform, uniform, pixels });
+            }
+        }
+        left -= uniform;
+    }
+    streams
+}
+
+/// A part of a stream of runs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    /// Runs of one length.
+    Uniform,
+    /// Runs that begin where a table says.
+    Adaptive,
+}
+
+/// Fills a part of a stream of runs, the adaptive one as `starts` (of a band's pixels) says.
 pub(super) fn fill_runs<'a, B>(
     buffers: &RoundBuffers<'a, B>,
     stream: &Stream,
     starts: impl Fn(&Band<B>) -> View<'a, B, u32>,
-    samples: u32,
+    part: Part,
 ) -> Vec<Launch<'a, B>> {
     let slots = || buffers.slots.slice(0..stream.slots as usize);
-    windows(buffers.film, stream, samples)
+    windows(buffers, stream, part)
         .map(|(band, pixels, window)| {
             kernels::fill_runs(&window, starts(band), band.film.slice(pixels), slots())
         })
         .collect()
 }
 
-/// Adds the contributions of a stream of runs to the film, likewise.
+/// Adds the contributions of such a part to the film.
 pub(super) fn accumulate_runs<'a, B>(
     buffers: &RoundBuffers<'a, B>,
     stream: &Stream,
     starts: impl Fn(&Band<B>) -> View<'a, B, u32>,
-    samples: u32,
+    part: Part,
 ) -> Vec<Launch<'a, B>> {
     let contributions = || buffers.contributions.slice(0..stream.slots as usize);
-    windows(buffers.film, stream, samples)
+    windows(buffers, stream, part)
         .map(|(band, pixels, window)| {
             kernels::accumulate_runs(
                 &window,
@@ -106,17 +111,26 @@ pub(super) fn accumulate_runs<'a, B>(
 /// The bands that have pixels of a stream of runs, these pixels' places there, and what kernels
 /// with a lane for each are told.
 fn windows<'a, B>(
-    film: &'a FilmBuffers<B>,
+    buffers: &RoundBuffers<'a, B>,
     stream: &Stream,
-    samples: u32,
+    part: Part,
 ) -> impl Iterator<Item = (&'a Band<B>, Range<usize>, RunWindow)> {
-    film.bands_of(&stream.pixels).map(move |(band, pixels)| {
+    let (split, uniform, first_pixel) = (buffers.split, stream.uniform, stream.pixels.start);
+    let uniform_slots = stream.uniform_slots();
+    buffers.film.bands_of(&stream.pixels).map(move |(band, pixels)| {
         let threads = pixels.len() as u32;
-        let window = RunWindow {
-            threads,
-            first_rank: band.first_rank + pixels.start,
-            pixels: threads,
-            samples,
+        let first_rank = band.first_rank + pixels.start;
+        let shared = RunWindow { threads, first_rank, pixels: threads, ..RunWindow::zeroed() };
+        let window = match part {
+            Part::Uniform => RunWindow {
+                samples: uniform,
+                first_slot: (first_rank - first_pixel) * uniform,
+                half: split.of_uniform(),
+                ..shared
+            },
+            Part::Adaptive => {
+                RunWindow { first_slot: uniform_slots, half: split.of_adaptive(), ..shared }
+            }
         };
         (band, pixels.start as usize..pixels.end as usize, window)
     })

@@ -2,7 +2,7 @@
 
 use super::settings::{Estimator, FilterSettings};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
-use crate::render::allocator::sampling::Sampling;
+use crate::render::allocator::sampling::{AllocatorKind, Sampling};
 use crate::render::film::{Band, FilmBuffers};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
@@ -81,8 +81,10 @@ impl<B> EstimateBuffers<B> {
         sampling: &Sampling,
         round: ComingRound,
     ) -> Vec<Launch<'a, B>> {
+        // Deficits are those of counts, which go by deviations.
+        let fills_up = sampling.allocator == AllocatorKind::Runs;
         let form = ErrorForm {
-            samples_of_round: round.samples,
+            samples_of_round: if fills_up { 0.0 } else { round.samples },
             mean_radiance: round.mean_radiance,
             noise: sampling.noise.unwrap_or(0.0),
             relative: u32::from(sampling.relative),
@@ -117,7 +119,7 @@ impl<B> EstimateBuffers<B> {
                 Estimator::Bilateral => {
                     let shared = filter_params(&sampling.estimation.filter, camera, form);
                     let parameters = FilterParams { threads, first_rank, ..shared };
-                    kernels::filter_errors(&parameters, guides, estimates, errors)
+                    kernels::filter_errors(&parameters, guides, band.film.view(), estimates, errors)
                 }
                 Estimator::Halves | Estimator::Variance => {
                     let smooth = u32::from(sampling.estimation.smooth);
@@ -130,7 +132,7 @@ impl<B> EstimateBuffers<B> {
                         smooth,
                         ..NoiseParams::zeroed()
                     };
-                    kernels::noise_errors(&parameters, guides, estimates, errors)
+                    kernels::noise_errors(&parameters, guides, band.film.view(), estimates, errors)
                 }
             }
         });

@@ -8,7 +8,7 @@ pub enum Estimator {
     /// The squared difference from the picture after a joint bilateral filter (Podee et al.).
     #[default]
     Bilateral,
-    /// The squared difference of the means over even and over odd samples.
+    /// The squared difference of the means over the two halves of the samples.
     Halves,
     /// The variance of the pixel's mean.
     Variance,

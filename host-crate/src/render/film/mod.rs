@@ -1,5 +1,7 @@
 //! The film in a device's memory.
 
+pub mod control;
+
 use crate::exec::{Array, ExecError, Executor};
 use crate::film::Film;
 use crate::scene::FilmSize;
@@ -118,7 +120,7 @@ impl<B> FilmBuffers<B> {
                 features[in_rows(offset)] = pixel;
             }
         }
-        Ok(Film { width, height, radiance, features, estimates: None })
+        Ok(Film { width, height, radiance, features, estimates: None, corrections: None })
     }
 }
 

@@ -1,0 +1,72 @@
+//! The corrections by the control film; see [`raystream_shaders::film::control`].
+
+use super::FilmBuffers;
+use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::scene::FilmSize;
+use bytemuck::Zeroable;
+use glam::{Vec3, Vec4};
+use raystream_shaders::film::control::ControlParams;
+
+/// Standard deviation, in pixels, of the Gaussian by which the control film's differences are
+/// spread. It is measured in pixels and not in parts of the picture, since noise is: of the variance
+/// of the control film `1 / (4 pi sigma^2)` gets into the picture. docs/ADAPTIVE.md has what other
+/// values do.
+const SIGMA: f32 = 8.0;
+/// Standard deviations at which the Gaussian is cut off.
+const CUT: f32 = 3.0;
+
+/// What the control film corrects the picture by, and what it takes to find that: three vectors
+/// for each pixel, in rows.
+pub struct ControlFilm<B> {
+    size: FilmSize,
+    guided: Array<B, Vec4>,
+    /// Between the passes by turns with `corrections`.
+    scratch: Array<B, Vec4>,
+    corrections: Array<B, Vec4>,
+}
+
+impl<B> ControlFilm<B> {
+    /// For a picture of `size`.
+    pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
+        let pixels = (size.width * size.height) as usize;
+        let array = || Array::zeroed(executor, "the control film", pixels);
+        Ok(Self { size, guided: array()?, scratch: array()?, corrections: array()? })
+    }
+
+    /// The launches after which the corrections are those of a film of this size.
+    pub fn launches<'a>(&'a self, film: &'a FilmBuffers<B>) -> Vec<Launch<'a, B>> {
+        let FilmSize { width, height } = self.size;
+        let whole = ControlParams {
+            threads: width * height,
+            width,
+            height,
+            factor: 0.5 / (SIGMA * SIGMA),
+            radius: (CUT * SIGMA) as u32,
+            ..ControlParams::zeroed()
+        };
+        let along_rows = ControlParams { along_rows: 1, ..whole };
+        let (guided, one, other) = (&self.guided, &self.scratch, &self.corrections);
+        let differences = film.bands().iter().map(|band| {
+            let threads = band.film.len() as u32;
+            let parameters = ControlParams { threads, first_rank: band.first_rank, ..whole };
+            kernels::control_differences(&parameters, band.film.view(), one.view(), guided.view())
+        });
+        let mut launches: Vec<_> = differences.collect();
+        launches.extend([
+            kernels::control_guides(&whole, one.view(), guided.view()),
+            kernels::blur(&along_rows, guided.view(), one.view()),
+            kernels::blur(&whole, one.view(), other.view()),
+            kernels::control_shares(&whole, guided.view(), other.view(), one.view()),
+            kernels::blur(&along_rows, one.view(), other.view()),
+            kernels::blur(&whole, other.view(), one.view()),
+            kernels::control_corrections(&whole, guided.view(), one.view(), other.view()),
+        ]);
+        launches
+    }
+
+    /// Copies the corrections to the host, in rows.
+    pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<Vec3>, ExecError> {
+        let corrections = self.corrections.read(executor)?;
+        Ok(corrections.into_iter().map(Vec4::truncate).collect())
+    }
+}
