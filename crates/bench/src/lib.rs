@@ -1,7 +1,9 @@
 //! Measurements: traversal ([`rays`]), whole paths ([`paths`]), integrators side by side
-//! ([`integrators`]) and what adaptive sampling or another integrator gains ([`convergence`]). Each
-//! checks its own result before it gives a figure.
+//! ([`integrators`]), what adaptive sampling or another integrator gains ([`convergence`]) and
+//! whether its pictures are right on average ([`bias`]). Each checks its own result before it gives
+//! a figure.
 
+pub mod bias;
 pub mod convergence;
 mod files;
 pub mod integrators;

@@ -5,11 +5,12 @@ use super::ending::{CliError, Ending};
 use super::integrators::{self, IntegratorsArguments};
 use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
 use super::output::print_line;
+use super::sampling::SamplingArguments;
 use clap::{Args, Subcommand};
 use raystream::exec::device::Device;
 use raystream::render::{PreparedScene, Settings};
 use raystream::scene::FilmSize;
-use raystream_bench::{paths, rays};
+use raystream_bench::{bias, paths, rays};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -27,6 +28,9 @@ pub enum BenchCommand {
     /// Error over time of adaptive and of uniform sampling, with one integrator or several:
     /// speed-ups at equal error, errors at equal time, and where the time goes.
     Convergence(ConvergenceArguments),
+    /// Bias: how far adaptive pictures are off on average, as wholes and by blocks of 40x30 pixels,
+    /// over renders with many seeds.
+    Bias(BiasArguments),
 }
 
 /// The options of `raystream bench rays`.
@@ -52,6 +56,24 @@ pub struct PathsArguments {
     time: Duration,
 }
 
+/// The options of `raystream bench bias`.
+#[derive(Args)]
+pub struct BiasArguments {
+    #[command(flatten)]
+    common: CommonArguments,
+    #[command(flatten)]
+    sampling: SamplingArguments,
+    /// Samples per pixel, on average over the pixels, of the pictures: one row each.
+    #[arg(long, value_delimiter = ',', value_name = "LIST", default_values_t = [16, 64, 256], value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    spp: Vec<u32>,
+    /// Renders of each row, with the seeds from --seed on.
+    #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    renders: u32,
+    /// Samples per pixel of the truth, which is sampled uniformly.
+    #[arg(long, default_value_t = 16_384, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=1 << 24))]
+    truth_spp: u32,
+}
+
 #[derive(Args)]
 struct CommonArguments {
     /// Scene files, or names of scenes that ship.
@@ -74,6 +96,11 @@ pub fn run(command: &BenchCommand) -> Result<Ending, CliError> {
         BenchCommand::Rays(arguments) => {
             arguments.common.for_each_scene(Some(RAYS_SIZE), |device, scene, settings| {
                 bench_rays(arguments, device, scene, settings)
+            })
+        }
+        BenchCommand::Bias(arguments) => {
+            arguments.common.for_each_scene(None, |device, scene, settings| {
+                bench_bias(arguments, device, scene, settings)
             })
         }
         BenchCommand::Paths(arguments) => {
@@ -128,6 +155,52 @@ fn bench_rays(
             speed.checked,
             speed.ties
         ))?;
+    }
+    Ok(())
+}
+
+/// Standard errors beyond which a block is counted.
+const BLOCK_LIMIT: f64 = 4.0;
+/// Blocks that are shown of each row.
+const BLOCKS_SHOWN: usize = 3;
+
+fn bench_bias(
+    arguments: &BiasArguments,
+    device: &Device,
+    scene: &PreparedScene,
+    settings: &Settings,
+) -> Result<(), CliError> {
+    let settings = Settings { sampling: arguments.sampling.sampling(), ..*settings };
+    let options = bias::Options { renders: arguments.renders, truth_samples: arguments.truth_spp };
+    for bias in bias::measure(device, scene, &settings, &arguments.spp, options)? {
+        let percent = |e: bias::Estimate| {
+            format!(
+                "{:+.3} +- {:.3} % ({:.1} SE)",
+                100.0 * e.mean,
+                100.0 * e.error,
+                e.standard_errors()
+            )
+        };
+        let beyond = |b: &&bias::BlockBias| b.bias.standard_errors() > BLOCK_LIMIT;
+        print_line(&format!(
+            "    {:>5} spp: {}, plain {}; {} of {} blocks beyond {BLOCK_LIMIT} SE; RMSE {:.5}, plain {:.5}, in {:.1} ms",
+            bias.samples,
+            percent(bias.whole),
+            percent(bias.plain),
+            bias.blocks.iter().filter(beyond).count(),
+            bias.blocks.len(),
+            bias.rmse,
+            bias.plain_rmse,
+            1e3 * bias.seconds
+        ))?;
+        for block in bias.blocks.iter().take(BLOCKS_SHOWN) {
+            print_line(&format!(
+                "        block at ({}, {}): {}",
+                block.x,
+                block.y,
+                percent(block.bias)
+            ))?;
+        }
     }
     Ok(())
 }

@@ -143,10 +143,15 @@ pub fn measure<E: Executor>(
     for repetition in 0..plan.repetitions {
         for repeated in &mut repeated {
             let settings = plan.settings(settings, repeated.configuration, repetition);
-            let mut renderer = Renderer::new(executor, scene, &settings)?;
-            render_other(KEEP_WARM)?;
-            let recorded =
-                record(&mut renderer, &settings, &plan.checkpoints, reference, repetition == 0)?;
+            let recorded = record(
+                executor,
+                scene,
+                &settings,
+                &plan.checkpoints,
+                reference,
+                repetition == 0,
+                &mut || render_other(KEEP_WARM),
+            )?;
             say(&repeated.progress(&recorded, plan.repetitions));
             repeated.check_mean(&recorded, settings.seed, reference, spread)?;
             repeated.add(recorded);

@@ -6,7 +6,7 @@ use super::reference::Reference;
 use super::rounds::Round;
 use crate::BenchError;
 use rayon::prelude::*;
-use raystream::exec::Executor;
+use raystream::exec::{ExecError, Executor};
 use raystream::film::Film;
 use raystream::image::ColorImage;
 use raystream::render::{AllocatorKind, PreparedScene, Renderer, Settings, Timings};
@@ -24,59 +24,37 @@ pub struct Recorded {
     pub film: Film,
 }
 
-/// Has `renderer`, which has rendered nothing yet, render to the last of `checkpoints` (samples per
-/// pixel, rising) and records errors against `reference`; also every round, if `with_rounds`. Only
-/// the rounds themselves count as time, not the looking in between, and that is no more than
-/// reading the picture: a device that is left idle slows down.
+/// Renders to each of `checkpoints` (samples per pixel, rising) and records errors against
+/// `reference`; also every round, if `with_rounds`. Only the rounds themselves count as time, with
+/// the last step to the picture, and not the looking in between, which is no more than reading the
+/// picture: a device that is left idle slows down.
 ///
-/// A uniform render stops at every checkpoint, an adaptive one takes its rounds as they come: what
-/// a round passes is measured after it. It ends early if no pixel wants samples any more.
+/// A uniform render goes on from checkpoint to checkpoint. An adaptive one begins anew for each,
+/// since what it does depends on what it may spend, after `keep_warm` has kept the device busy; the
+/// rounds are those of the last. It ends early if no pixel wants samples any more.
 pub fn record<E: Executor>(
-    renderer: &mut Renderer<E>,
+    executor: &E,
+    scene: &PreparedScene,
     settings: &Settings,
     checkpoints: &[u32],
     reference: &Reference,
     with_rounds: bool,
+    keep_warm: &mut dyn FnMut() -> Result<(), ExecError>,
 ) -> Result<Recorded, BenchError> {
-    let pixels = u64::from(renderer.pixels());
-    let uniform = settings.sampling.allocator == AllocatorKind::Uniform;
-    let (mut wall, mut device) = (Duration::ZERO, Timings::default());
-    let (mut looks, mut rounds) = (Vec::new(), Vec::new());
-    let mut rays = 0;
-    let mut next = 0;
-    while let Some(&checkpoint) = checkpoints.get(next) {
-        let before = renderer.paths();
-        let paths_left = if uniform { u64::from(checkpoint) * pixels - before } else { u64::MAX };
-        let start = Instant::now();
-        let timings = renderer.step(paths_left)?;
-        let elapsed = start.elapsed();
-        wall += elapsed;
-        device += timings;
-        let paths = renderer.paths();
-        if paths == before {
+    let is_uniform = settings.sampling.allocator == AllocatorKind::Uniform;
+    let mut recording = Recording::new(executor, scene, settings)?;
+    let mut looks = Vec::new();
+    for (&checkpoint, k) in checkpoints.iter().zip(0..) {
+        if !is_uniform && k > 0 {
+            recording = Recording::new(executor, scene, settings)?;
+        }
+        if !is_uniform || k == 0 {
+            keep_warm()?;
+        }
+        let reached = recording.render_to(checkpoint, with_rounds)?;
+        looks.push(recording.look(checkpoint)?);
+        if !reached {
             break;
-        }
-        if with_rounds {
-            let total = renderer.rays()?;
-            rounds.push(Round {
-                paths: paths - before,
-                rays: total - rays,
-                timings,
-                wall: elapsed,
-            });
-            rays = total;
-        }
-        let passed = checkpoints.partition_point(|&c| u64::from(c) * pixels <= paths);
-        if passed > next {
-            next = passed;
-            looks.push(Look {
-                image: ColorImage::from_film(&renderer.film()?),
-                checkpoint: checkpoints[passed - 1],
-                samples: paths as f64 / pixels as f64,
-                wall,
-                device,
-                rays: renderer.rays()?,
-            });
         }
     }
     let points = looks
@@ -86,7 +64,71 @@ pub fn record<E: Executor>(
     let Some(&end) = points.last() else {
         return Err(BenchError::Wrong("the render took no samples".into()));
     };
-    Ok(Recorded { points, end, rounds, film: renderer.film()? })
+    Ok(Recorded { points, end, rounds: recording.rounds, film: recording.renderer.film()? })
+}
+
+/// A render under way, and what it has taken so far.
+struct Recording<'e, E: Executor> {
+    renderer: Renderer<&'e E>,
+    rounds: Vec<Round>,
+    wall: Duration,
+    device: Timings,
+    rays: u64,
+}
+
+impl<'e, E: Executor> Recording<'e, E> {
+    fn new(
+        executor: &'e E,
+        scene: &PreparedScene,
+        settings: &Settings,
+    ) -> Result<Self, BenchError> {
+        Ok(Self {
+            renderer: Renderer::new(executor, scene, settings)?,
+            rounds: Vec::new(),
+            wall: Duration::ZERO,
+            device: Timings::default(),
+            rays: 0,
+        })
+    }
+
+    /// Renders on to so many samples per pixel; whether it got there.
+    fn render_to(&mut self, samples: u32, with_rounds: bool) -> Result<bool, BenchError> {
+        let goal = u64::from(samples) * u64::from(self.renderer.pixels());
+        while self.renderer.paths() < goal {
+            let before = self.renderer.paths();
+            let start = Instant::now();
+            let timings = self.renderer.step(goal - before)?;
+            let elapsed = start.elapsed();
+            self.wall += elapsed;
+            self.device += timings;
+            let paths = self.renderer.paths() - before;
+            if paths == 0 {
+                return Ok(false);
+            }
+            if with_rounds {
+                let rays = self.renderer.rays()?;
+                self.rounds.push(Round { paths, rays: rays - self.rays, timings, wall: elapsed });
+                self.rays = rays;
+            }
+        }
+        Ok(true)
+    }
+
+    /// The picture as it is.
+    fn look(&mut self, checkpoint: u32) -> Result<Look, BenchError> {
+        let start = Instant::now();
+        let resolved = self.renderer.resolve()?;
+        let (wall, mut device) = (self.wall + start.elapsed(), self.device);
+        device += resolved;
+        Ok(Look {
+            image: ColorImage::from_film(&self.renderer.film()?),
+            checkpoint,
+            samples: self.renderer.paths() as f64 / f64::from(self.renderer.pixels()),
+            wall,
+            device,
+            rays: self.renderer.rays()?,
+        })
+    }
 }
 
 /// What was seen of a render on the way.
