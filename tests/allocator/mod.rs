@@ -7,7 +7,7 @@ use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor};
 use raystream::render::AllocatorKind::{self, Atomic, Paper, Runs, Uniform};
 use raystream::render::allocator::sampling::Split;
-use raystream::render::allocator::{Allocation, Allocator, RoundBuffers, paper, streams};
+use raystream::render::allocator::{Allocation, Allocator, RoundBuffers, Streams, paper};
 use raystream::render::film::FilmBuffers;
 use raystream::scene::FilmSize;
 use raystream_shaders::film::stream::{NO_PIXEL, Slot};
@@ -143,8 +143,10 @@ impl Round {
         // Uniform windows are of whole tiles.
         let largest = self.slots.next_multiple_of(64 * self.slots.div_ceil(self.pixels()));
         let adaptive = u64::from(self.slots - self.uniform * self.pixels());
-        let streams = streams(&film, self.uniform, adaptive, largest);
-        let [stream] = streams.as_slice() else { panic!("one stream: {streams:?}") };
+        let mut streams = Streams::new(&film, self.uniform, adaptive, largest);
+        let stream = streams.next(&film, largest).expect("a stream");
+        assert!(streams.next(&film, largest).is_none(), "one stream");
+        let stream = &stream;
         executor.run(&allocator.fill(&buffers, stream)).unwrap();
         let filled_slots = slots.read(executor).unwrap();
         executor.run(&allocator.accumulate(&buffers, stream)).unwrap();
@@ -504,5 +506,32 @@ fn bands_change_nothing() {
             assert_same_bytes(&bands.slots, &whole.slots, &format!("{kind:?}"));
         }
         assert_same_bytes(&bands.film, &round.sequential_film(&bands, exact), &format!("{kind:?}"));
+    }
+}
+
+/// Whatever lengths windows are asked for on the way, every pixel gets what it is due, once.
+#[test]
+fn windows_of_any_length_cover_every_pixel() {
+    let size = FilmSize { width: 40, height: 30 };
+    let small = Hindered::by_buffers(&CpuExecutor, 48 * 64 * 5);
+    let film = FilmBuffers::new(&small, size).unwrap();
+    for uniform in [1, 5, 300] {
+        let mut streams = Streams::new(&film, uniform, 7, 100);
+        let mut got = vec![0; film.pixels() as usize];
+        let mut last = None;
+        for step in 0.. {
+            let largest = 64 << (hash(step) % 6);
+            let Some(stream) = streams.next(&film, largest) else { break };
+            if stream.adaptive_slots() > 0 {
+                last = Some(stream);
+                continue;
+            }
+            // The smallest windows of a pass that began with longer ones may be longer.
+            let fits = stream.slots <= largest || stream.pixels.len() <= 64;
+            assert!(last.is_none() && fits, "{stream:?}");
+            stream.pixels.clone().for_each(|pixel| got[pixel as usize] += stream.uniform);
+        }
+        assert!(got.iter().all(|&samples| samples == uniform), "{got:?}");
+        assert_eq!(last.expect("an adaptive part").slots, 7);
     }
 }

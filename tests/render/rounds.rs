@@ -1,9 +1,13 @@
 //! Renders in rounds.
 
+use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
-use raystream::render::{Renderer, Settings};
+use raystream::exec::kernels::table;
+use raystream::render::{Budget, Renderer, Sampling, Settings, Stop, run};
 use raystream::scene::FilmSize;
+use raystream_tests::executors::Hindered;
 use raystream_tests::{prepare, render, scenes, settings};
+use std::time::Duration;
 
 /// The way a render is cut into rounds and batches is nobody's business: the film is the same, bit
 /// for bit.
@@ -22,4 +26,42 @@ fn rounds_do_not_change_the_film() {
     assert_eq!(renderer.film().unwrap(), at_once);
     let rays: u64 = at_once.radiance.iter().map(|p| u64::from(p.rays)).sum();
     assert_eq!(renderer.rays().unwrap(), rays);
+}
+
+/// A time that ends within the first round, on a device whose every batch takes 0.25 s at least.
+#[test]
+fn time_is_kept_to_within_a_batch() {
+    let mut scene = scenes::room(scenes::glass(1.5), 1.0);
+    scene.film = FilmSize { width: 640, height: 480 };
+    let prepared = prepare(&scene);
+    let device = Hindered::by_buffers(&CpuExecutor, 32 << 18)
+        .with_slow_batches(&table::regenerate_paths, u32::MAX);
+    for sampling in [Sampling::UNIFORM, Sampling::ADAPTIVE] {
+        let settings = Settings { sampling, ..Settings::for_scene(&scene) };
+        let mut renderer = Renderer::new(&device, &prepared, &settings).unwrap();
+        let time = Duration::from_millis(700);
+        let outcome = run(&mut renderer, Budget::time(time), &|| false, &mut |_| ()).unwrap();
+        assert_eq!(outcome.stop, Stop::Time);
+        // A batch on a busy machine may take some more.
+        assert!(outcome.elapsed < Duration::from_millis(1500), "{:?}", outcome.elapsed);
+        let film = renderer.film().unwrap();
+        let samples: u64 = film.samples().into_iter().map(u64::from).sum();
+        assert_eq!(samples, outcome.paths, "what is counted is in the film");
+        let unseen = film.radiance.iter().filter(|pixel| pixel.samples() == 0).count();
+        assert!(unseen > 0 && samples > 0, "it has seen a part");
+        for (pixel, color) in film.radiance.iter().zip(film.color()) {
+            assert!(color.is_finite() && (pixel.samples() > 0 || color == Vec3::ZERO));
+        }
+    }
+}
+
+#[test]
+fn an_interruption_keeps_what_has_been_traced() {
+    let scene = scenes::room(scenes::glass(1.5), 1.0);
+    let prepared = prepare(&scene);
+    let mut renderer = Renderer::new(&CpuExecutor, &prepared, &settings(&scene)).unwrap();
+    let outcome = run(&mut renderer, Budget::default(), &|| true, &mut |_| ()).unwrap();
+    assert!(outcome.stop == Stop::Interrupted && outcome.interrupted() && outcome.paths > 0);
+    let samples: u64 = renderer.film().unwrap().samples().into_iter().map(u64::from).sum();
+    assert_eq!(samples, outcome.paths);
 }

@@ -14,7 +14,7 @@ use raystream::film::Film;
 use raystream::image::{self, Display, Format, ToneMap};
 use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
-    Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, run as render,
+    Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, Stop, run as render,
 };
 use raystream::scene::DEFAULT_SCENE;
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
@@ -109,6 +109,9 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let (film, outcome) =
         render_film(&device, &prepared, &settings, budget, &interrupted, &mut display)?;
     arguments.say(&summary(&outcome, &film));
+    for line in shortcomings(&outcome, &film, settings.sampling.noise) {
+        output::say(&line);
+    }
     if outcome.paths > 0 && film.radiance.iter().all(|pixel| pixel.sum() == Vec3::ZERO) {
         output::say(&format!("warning: {BLACK}"));
     }
@@ -118,12 +121,16 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
         ("device".to_owned(), device.description()),
         ("samples".to_owned(), average_samples(&outcome, &film).to_string()),
         ("seconds".to_owned(), format!("{:.3}", outcome.elapsed.as_secs_f64())),
+        ("stop".to_owned(), stop_name(outcome.stop).to_owned()),
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
     ];
+    if let Some(noise) = outcome.noise {
+        header.push(("estimated_error".to_owned(), noise.relative_error.to_string()));
+    }
     header.extend(arguments.settings.describe(&settings));
     header.extend(describe(&settings.sampling));
     arguments.write(&outputs, &film, &header)?;
-    Ok(if outcome.interrupted { Ending::Interrupted } else { Ending::Done })
+    Ok(if outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
 }
 
 impl RenderArguments {
@@ -212,13 +219,56 @@ fn render_film(
 
 fn summary(outcome: &Outcome, film: &Film) -> String {
     let seconds = outcome.elapsed.as_secs_f64().max(1e-9);
+    let error = outcome.noise.map_or_else(String::new, |noise| {
+        format!(", estimated error {:.2} %", 100.0 * noise.relative_error)
+    });
     format!(
-        "{}{} samples per pixel in {seconds:.2} s: {}samples/s, {}rays/s",
-        if outcome.interrupted { "interrupted after " } else { "" },
+        "{}{} samples per pixel in {seconds:.2} s: {}samples/s, {}rays/s{error}",
+        if outcome.interrupted() { "interrupted after " } else { "" },
         average_samples(outcome, film),
         rate(outcome.paths as f64 / seconds),
         rate(outcome.rays as f64 / seconds)
     )
+}
+
+/// What the picture lacks of what was asked for, a sentence each.
+fn shortcomings(outcome: &Outcome, film: &Film, wanted: Option<f32>) -> Vec<String> {
+    let mut lines = Vec::new();
+    let unseen = film.radiance.iter().filter(|pixel| pixel.samples() == 0).count();
+    if unseen > 0 {
+        lines.push(format!(
+            "warning: {unseen} of {} pixels have no sample and are black: the render ended before \
+             its first look at them; give it more --time or a smaller --size",
+            film.radiance.len()
+        ));
+    }
+    if let (Some(wanted), Some(noise)) = (wanted, outcome.noise)
+        && outcome.stop != Stop::Noise
+    {
+        let first = match outcome.stop {
+            Stop::Samples => "--spp came first",
+            Stop::Time => "--time came first",
+            Stop::Noise | Stop::Interrupted => "it was interrupted",
+        };
+        lines.push(format!(
+            "warning: the error that --noise asks for, {:.2} %, was not reached: {first}; {} of {} \
+             pixels are above it",
+            100.0 * wanted,
+            noise.unconverged,
+            film.radiance.len()
+        ));
+    }
+    lines
+}
+
+/// What a picture's header calls the end of its render.
+fn stop_name(stop: Stop) -> &'static str {
+    match stop {
+        Stop::Samples => "samples",
+        Stop::Time => "time",
+        Stop::Noise => "noise",
+        Stop::Interrupted => "interrupted",
+    }
 }
 
 /// Samples per pixel; an average, to two digits after the point.
@@ -236,7 +286,7 @@ fn catch_interrupt() -> Result<Arc<AtomicBool>, CliError> {
             std::process::exit(i32::from(INTERRUPTED));
         }
         output::say(
-            "interrupted: finishing the round and writing the picture; again to stop at once",
+            "interrupted: finishing what is under way and writing the picture; again to stop at once",
         );
     })?;
     Ok(interrupted)

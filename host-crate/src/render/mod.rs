@@ -22,7 +22,7 @@ pub use estimator::settings::{EstimationSettings, Estimator, FilterSettings};
 pub use film::FilmBuffers;
 pub use integrator::lvc_settings::{BidirectionalTechniques, LightCacheSettings};
 pub use renderer::{Batch, Renderer, Round};
-pub use run::{Budget, Outcome, Progress, run};
+pub use run::{Budget, Outcome, Progress, Stop, run};
 pub use scene::PreparedScene;
 pub use scene::bvh::BvhQuality;
 pub use settings::{IntegratorKind, Settings, Techniques};

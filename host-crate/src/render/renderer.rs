@@ -2,7 +2,7 @@
 //! from batch to batch.
 
 use super::allocator::sampling::{Sampling, Split};
-use super::allocator::{Allocation, Allocator as _, RoundBuffers, Stream, streams};
+use super::allocator::{Allocation, Allocator as _, RoundBuffers, Stream, Streams};
 use super::estimator::{Estimation, FilmSamples, Noise};
 use super::film::control::ControlFilm;
 use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
@@ -173,6 +173,10 @@ impl<E: Executor> Renderer<E> {
             return Ok(false);
         }
         let Some(noise) = self.noise()? else { return Ok(false) };
+        // Where no light has been found yet, pixels must have looked for it long enough.
+        if noise.mean_radiance == 0.0 {
+            return Ok(noise.unconverged == 0);
+        }
         self.convergence = (f64::from(threshold) / noise.relative_error).powi(2).min(1.0);
         Ok(noise.relative_error <= f64::from(threshold) || noise.unconverged == 0)
     }
@@ -240,8 +244,10 @@ impl<E: Executor> Renderer<E> {
 pub struct Round<'r, E: Executor> {
     renderer: &'r mut Renderer<E>,
     plan: RoundPlan,
-    /// The streams that are still to be worked off, the next one last.
-    streams: Vec<Stream>,
+    /// The streams that are still to be begun.
+    streams: Streams,
+    /// The stream that is being worked off.
+    stream: Option<Stream>,
     /// The first slot of the next batch in the stream.
     next: u32,
     /// Whether no batch has been run.
@@ -263,18 +269,22 @@ impl<'r, E: Executor> Round<'r, E> {
     fn new(renderer: &'r mut Renderer<E>, plan: RoundPlan, timings: Timings) -> Self {
         let state = &renderer.state;
         let largest = state.slots.len() as u32;
-        let mut streams = streams(&state.film, plan.uniform, plan.adaptive, largest);
-        streams.reverse();
+        let streams = Streams::new(&state.film, plan.uniform, plan.adaptive, largest);
         renderer.done.rounds += 1;
         renderer.done.uniform += plan.uniform;
-        Self { renderer, plan, streams, next: 0, is_new: true, timings }
+        Self { renderer, plan, streams, stream: None, next: 0, is_new: true, timings }
     }
 
     /// Traces the next batch: slots of one stream, as many as the device works off in about a tenth
     /// of a second. None at the round's end.
     pub fn next_batch(&mut self) -> Result<Option<Batch>, ExecError> {
-        let Some(stream) = self.streams.last() else { return Ok(None) };
         let batch = self.renderer.batch.slots().next_multiple_of(WINDOW_ALIGNMENT);
+        if self.stream.is_none() {
+            // A window is no longer than a batch, so that it is in the film soon.
+            let state = &self.renderer.state;
+            self.stream = self.streams.next(&state.film, batch.min(state.slots.len() as u32));
+        }
+        let Some(stream) = &self.stream else { return Ok(None) };
         let slots = self.next..stream.slots.min(self.next + batch);
         let (paths, is_last) = (slots.end - slots.start, slots.end == stream.slots);
         let executor = &self.renderer.state.executor;
@@ -296,7 +306,7 @@ impl<'r, E: Executor> Round<'r, E> {
         self.is_new = false;
         self.next = slots.end;
         if is_last {
-            self.streams.pop();
+            self.stream = None;
             self.next = 0;
         }
         self.timings += timings;
@@ -334,6 +344,11 @@ impl<'r, E: Executor> Round<'r, E> {
             launches.add(allocation.accumulate(&buffers, stream), Part::Accumulation);
         }
         launches
+    }
+
+    /// Whether all that has been traced is in the film: dropped now, the round loses nothing.
+    pub fn is_in_film(&self) -> bool {
+        self.stream.is_none()
     }
 
     fn is_adaptive(&self) -> bool {

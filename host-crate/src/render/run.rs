@@ -1,6 +1,7 @@
 //! The render loop and what stops it.
 
 use super::error::RenderError;
+use super::estimator::Noise;
 use super::renderer::Renderer;
 use super::timings::Timings;
 use crate::exec::Executor;
@@ -12,7 +13,8 @@ use std::time::{Duration, Instant};
 pub struct Budget {
     /// Samples per pixel.
     pub samples: Option<u32>,
-    /// Time, from the first sample on. A started round is finished.
+    /// Time, from the first sample on. Rounds are made to fit, and cut off where they do not: what
+    /// has been traced of a stream and is not in the film by then is lost.
     pub time: Option<Duration>,
 }
 
@@ -57,15 +59,39 @@ pub struct Outcome {
     pub elapsed: Duration,
     /// Where the time went.
     pub timings: Timings,
+    /// What ended it.
+    pub stop: Stop,
+    /// The noise of the picture, by estimate; none where errors are not estimated.
+    pub noise: Option<Noise>,
+}
+
+impl Outcome {
     /// Whether it was stopped before its budget was spent.
-    pub interrupted: bool,
+    pub fn interrupted(&self) -> bool {
+        self.stop == Stop::Interrupted
+    }
+}
+
+/// What ended a render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The budget's samples.
+    Samples,
+    /// The budget's time.
+    Time,
+    /// The picture, or every pixel of it, [has converged](Renderer::has_converged).
+    Noise,
+    /// Who asked for it.
+    Interrupted,
 }
 
 /// How often rays are counted.
 const RAY_COUNT_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Renders rounds until `budget` is spent, the picture [has converged](Renderer::has_converged) or
-/// `interrupted` says so (asked after every round). `observe` is told of every batch.
+/// `interrupted` says so (asked whenever nothing would be lost). `observe` is told of every batch.
+///
+/// A picture that time or an interruption ends within the first round has pixels without samples.
 ///
 /// With neither samples nor time nor a noise to reach the render goes on until it is interrupted.
 pub fn run<E: Executor>(
@@ -89,24 +115,40 @@ pub fn run<E: Executor>(
     let mut last_count = start;
     let mut rays_per_path = 0.0;
     let paths_before = renderer.paths();
-    let interrupted = loop {
+    let is_late = || budget.time.is_some_and(|time| start.elapsed() >= time);
+    let stop = 'rounds: loop {
         let paths = renderer.paths() - paths_before;
         let left = total_paths.map_or(u64::MAX, |total| total - paths);
-        let spent = budget.time.is_some_and(|time| paths > 0 && start.elapsed() >= time);
-        if left == 0 || spent || renderer.has_converged()? {
-            break false;
+        if left == 0 {
+            break Stop::Samples;
+        }
+        if paths > 0 && is_late() {
+            break Stop::Time;
+        }
+        if renderer.has_converged()? {
+            break Stop::Noise;
         }
         progress.convergence = renderer.convergence();
         // Without a single sample there is nothing to write.
         if paths > 0 && interrupted() {
-            break true;
+            break Stop::Interrupted;
         }
+        let left = left.min(affordable(budget.time, paths, start.elapsed()));
         let mut round = renderer.next_round(left)?;
         while let Some(batch) = round.next_batch()? {
             progress.paths += u64::from(batch.paths);
             progress.elapsed = start.elapsed();
             progress.rays = (progress.paths as f64 * rays_per_path) as u64;
             observe(&progress);
+            let has_samples = paths > 0 || round.is_in_film();
+            if has_samples && is_late() {
+                timings += round.timings();
+                break 'rounds Stop::Time;
+            }
+            if round.is_in_film() && interrupted() {
+                timings += round.timings();
+                break 'rounds Stop::Interrupted;
+            }
         }
         timings += round.timings();
         if last_count.elapsed() >= RAY_COUNT_INTERVAL || rays_per_path == 0.0 {
@@ -116,5 +158,14 @@ pub fn run<E: Executor>(
     };
     let elapsed = start.elapsed();
     let paths = renderer.paths() - paths_before;
-    Ok(Outcome { paths, rays: renderer.rays()?, elapsed, timings, interrupted })
+    let noise = renderer.noise()?;
+    Ok(Outcome { paths, rays: renderer.rays()?, elapsed, timings, stop, noise })
+}
+
+/// Paths that fit into the time that is left, by the `paths` that have taken `elapsed`: at least one
+/// if any time is left; as many as you like where nothing is known or wanted.
+fn affordable(time: Option<Duration>, paths: u64, elapsed: Duration) -> u64 {
+    let (Some(time), true) = (time, paths > 0) else { return u64::MAX };
+    let rate = paths as f64 / elapsed.as_secs_f64().max(1e-9);
+    ((rate * time.saturating_sub(elapsed).as_secs_f64()) as u64).max(1)
 }

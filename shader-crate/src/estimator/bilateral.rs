@@ -92,6 +92,7 @@ pub fn filter_errors(
             squared_error += filtered.shared_noise * filtered.variance
                 + unseen_part(contrast(params, guides, rank), guide.samples);
         }
+        squared_error = params.form.unseen_light(&guide).max(squared_error);
         *estimate = Estimate { filtered: filtered.color, squared_error };
         *error = params.form.of(estimate, filtered.variance, &guide, at(film, lane).rays);
     }

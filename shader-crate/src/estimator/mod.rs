@@ -85,6 +85,7 @@ impl ErrorForm {
         } else {
             relative_error(guide.color, guide.variance, self.mean_radiance)
         };
+        let worst = worst.max(unseen_light(guide));
         if self.noise > 0.0 && worst <= self.noise * self.noise {
             return CONVERGED;
         }
@@ -95,7 +96,26 @@ impl ErrorForm {
         } else {
             n * (current / rays.max(1) as f32).sqrt()
         };
-        if is_finite(error) { error } else { 0.0 }
+        let error = if is_finite(error) { error } else { 0.0 };
+        // Who is still to find light has not converged, even where nothing else is known.
+        if unseen_light(guide) > 0.0 { error.max(f32::MIN_POSITIVE) } else { error }
+    }
+}
+
+/// The squared error of a pixel that has found no light, relative to the [`SOFT_FLOOR`]: `3 / n`
+/// for `n` samples. That none of `n` samples is bright says, with a confidence of 95 %, that at most
+/// `3 / n` of them would be (the rule of three). 0 where there is nothing to find: the pixel has
+/// found light, or shows no surface that reflects any.
+pub fn unseen_light(guide: &Guide) -> f32 {
+    let is_dark = guide.color == Vec3::ZERO && guide.has_surface();
+    if is_dark && guide.albedo != Vec3::ZERO { 3.0 / guide.samples as f32 } else { 0.0 }
+}
+
+impl ErrorForm {
+    /// [`unseen_light`] in squared radiance.
+    pub fn unseen_light(&self, guide: &Guide) -> f32 {
+        let floor = SOFT_FLOOR * self.mean_radiance;
+        unseen_light(guide) * floor * floor
     }
 }
 
@@ -154,6 +174,7 @@ pub fn noise_errors(
         } else {
             guide.variance
         };
+        estimate.squared_error = params.form.unseen_light(&guide).max(estimate.squared_error);
         let rays = at(film, lane).rays;
         *error = params.form.of(estimate, guide.variance, &guide, rays);
     }

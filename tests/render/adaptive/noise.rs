@@ -1,13 +1,15 @@
 //! Renders that end when they are good enough.
 
 use super::renders::{render, room, sampling, small};
+use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::film::Film;
 use raystream::render::AllocatorKind::{Atomic, Paper, Runs, Uniform};
 use raystream::render::Estimator::{Bilateral, Halves, Variance};
 use raystream::render::{EstimationSettings, PreparedScene, Renderer, Sampling, Settings};
+use raystream::scene::FilmSize;
 use raystream_shaders::estimator::relative_error;
-use raystream_tests::scenes;
+use raystream_tests::{prepare, scenes, settings};
 
 /// A render that goes on for this many samples per pixel would have gone on for ever: the slowest
 /// here takes a tenth.
@@ -147,6 +149,29 @@ fn pixels_that_have_converged_get_no_more_samples() {
         some_of_both += u32::from(sampled > 0 && sampled < film.radiance.len() as u64);
     }
     assert!(some_of_both >= 3, "the test has seen some of both in {some_of_both} rounds");
+}
+
+/// Where no light is found, nobody knows that there is none: pixels look for it until the rule of
+/// three says that what they may have missed is below the noise.
+#[test]
+fn darkness_must_be_looked_at_for_long() {
+    let mut scene = scenes::empty(Vec3::ZERO, Vec3::Z);
+    scene.film = FilmSize { width: 16, height: 12 };
+    let wall = scene.add_material(scenes::diffuse(0.5));
+    scenes::add_box(&mut scene, Vec3::splat(-1.0), Vec3::ONE, true, wall);
+    let dark = (prepare(&scene), settings(&scene));
+    for (allocator, estimator) in [(Runs, Bilateral), (Runs, Variance), (Uniform, Variance)] {
+        let (film, samples) = render_until(0.2, &dark, sampling(allocator, estimator), 0);
+        assert!(film.color().iter().all(|&color| color == Vec3::ZERO));
+        // 3 / n is 0.2^2 at 75 samples.
+        assert!((75.0..=400.0).contains(&samples), "{allocator:?}: {samples}");
+    }
+    // Nothing but background: there is nothing to find.
+    let mut empty = scenes::empty(Vec3::ZERO, Vec3::Z);
+    empty.film = FilmSize { width: 16, height: 12 };
+    let empty = (prepare(&empty), settings(&empty));
+    let (_, samples) = render_until(0.2, &empty, sampling(Runs, Bilateral), 0);
+    assert!(samples <= 16.0, "{samples}");
 }
 
 /// Glass is worse: its caustic is rare light.

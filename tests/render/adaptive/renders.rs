@@ -41,7 +41,7 @@ pub fn render_on<E: Executor>(
     let mut renderer = Renderer::new(executor, scene, settings).expect("the scene fits");
     let outcome = run(&mut renderer, Budget { samples, time: None }, &|| false, &mut |_| ())
         .expect("the device works");
-    assert!(!outcome.interrupted);
+    assert!(!outcome.interrupted());
     assert_eq!(outcome.paths, renderer.paths());
     renderer.finish_features().expect("the device works");
     let film = renderer.film().expect("the device works");

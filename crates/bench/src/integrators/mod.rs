@@ -140,7 +140,7 @@ pub fn measure<E: Executor>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raystream::render::{Outcome, Timings};
+    use raystream::render::{Outcome, Stop, Timings};
 
     #[test]
     fn z_scores_are_in_errors_of_the_difference() {
@@ -151,7 +151,8 @@ mod tests {
                 rays: 1,
                 elapsed: Duration::from_secs(1),
                 timings,
-                interrupted: false,
+                stop: Stop::Samples,
+                noise: None,
             };
             let (mpaths_per_second, mrays_per_second, rays_per_path) = (mean, 1.0, 1.0);
             PathSpeed {

@@ -16,7 +16,7 @@ pub mod sampling;
 pub mod uniform;
 
 use self::sampling::{AllocatorKind, Split};
-use self::uniform::Uniform;
+use self::uniform::{Uniform, Windows};
 use super::film::FilmBuffers;
 use crate::exec::{Array, ExecError, Executor, Launch};
 use raystream_shaders::film::Contribution;
@@ -158,20 +158,34 @@ impl<E: Executor> Allocator<E> for Allocation<E> {
     }
 }
 
-/// Cuts a round, of `uniform` samples for each pixel and `adaptive` slots beside, into streams of
-/// at most `largest` slots: one, if it fits. Else the uniform part is cut into windows of pixels
-/// whose slots fit, and where even the smallest window's do not, into passes of fewer samples; the
-/// adaptive part follows, cut off where it is too long.
-pub fn streams<B>(film: &FilmBuffers<B>, uniform: u32, adaptive: u64, largest: u32) -> Vec<Stream> {
-    let pixels = 0..film.pixels();
-    let all = u64::from(uniform) * u64::from(film.pixels()) + adaptive;
-    if adaptive > 0 && all <= u64::from(largest) {
-        return vec![Stream { pixels, uniform, slots: all as u32 }];
+/// The streams of a round that are still to be made.
+#[derive(Clone, Debug)]
+pub struct Streams {
+    windows: Windows,
+    /// The one with an adaptive part, which is the last.
+    last: Option<Stream>,
+}
+
+impl Streams {
+    /// Of a round of `uniform` samples for each pixel and `adaptive` slots beside, in streams of at
+    /// most `largest` slots: one, if it fits. Else the uniform part is cut into windows of pixels;
+    /// the adaptive part follows, cut off where it is too long.
+    pub fn new<B>(film: &FilmBuffers<B>, uniform: u32, adaptive: u64, largest: u32) -> Self {
+        let pixels = 0..film.pixels();
+        let all = u64::from(uniform) * u64::from(film.pixels()) + adaptive;
+        let last = |uniform, slots| Some(Stream { pixels, uniform, slots });
+        if adaptive == 0 {
+            Self { windows: Windows::new(uniform), last: None }
+        } else if all <= u64::from(largest) {
+            Self { windows: Windows::new(0), last: last(uniform, all as u32) }
+        } else {
+            let slots = adaptive.min(u64::from(largest)) as u32;
+            Self { windows: Windows::new(uniform), last: last(0, slots) }
+        }
     }
-    let mut streams = uniform::windows_of(film, uniform, largest);
-    if adaptive > 0 {
-        let slots = adaptive.min(u64::from(largest)) as u32;
-        streams.push(Stream { pixels, uniform: 0, slots });
+
+    /// The next stream; if it is a window, of at most `largest` slots.
+    pub fn next<B>(&mut self, film: &FilmBuffers<B>, largest: u32) -> Option<Stream> {
+        self.windows.next(film, largest).or_else(|| self.last.take())
     }
-    streams
 }

@@ -45,23 +45,45 @@ impl<B> Uniform<B> {
     }
 }
 
-/// Streams that give every pixel `samples` samples.
-pub(super) fn windows_of<B>(film: &FilmBuffers<B>, samples: u32, largest: u32) -> Vec<Stream> {
-    let mut streams = Vec::new();
-    let mut left = samples;
-    while left > 0 {
-        let uniform = left.min((largest / WINDOW_ALIGNMENT).max(1));
-        for band in film.bands() {
-            let mut next = 0;
-            while let Some(window) = band.window(next, largest / uniform) {
-                next = window.end;
-                let pixels = band.first_rank + window.start..band.first_rank + window.end;
-                streams.push(Stream { slots: pixels.len() as u32 * uniform, uniform, pixels });
-            }
-        }
-        left -= uniform;
+/// What is left of a uniform round: streams are made of it one by one, each no longer than is wanted
+/// by then.
+#[derive(Clone, Debug)]
+pub struct Windows {
+    /// Samples of each pixel that are left, those of the pass under way included.
+    samples: u32,
+    /// Samples of each pixel in the pass under way.
+    pass: u32,
+    /// Rank of the next pixel of the pass.
+    next: u32,
+}
+
+impl Windows {
+    /// A round that gives every pixel `samples` samples.
+    pub fn new(samples: u32) -> Self {
+        Self { samples, pass: 0, next: 0 }
     }
-    streams
+
+    /// The next window of pixels whose slots are at most `largest`; where even the smallest window's
+    /// are more, in a pass of fewer samples. None at the round's end.
+    pub fn next<B>(&mut self, film: &FilmBuffers<B>, largest: u32) -> Option<Stream> {
+        if self.samples == 0 {
+            return None;
+        }
+        if self.next == 0 {
+            self.pass = self.samples.min((largest / WINDOW_ALIGNMENT).max(1));
+        }
+        let left = self.next..film.pixels();
+        let (band, _) = film.bands_of(&left).next()?;
+        let window = band.window(self.next - band.first_rank, largest / self.pass)?;
+        let pixels = band.first_rank + window.start..band.first_rank + window.end;
+        self.next = pixels.end;
+        let stream = Stream { slots: pixels.len() as u32 * self.pass, uniform: self.pass, pixels };
+        if self.next == film.pixels() {
+            self.samples -= self.pass;
+            self.next = 0;
+        }
+        Some(stream)
+    }
 }
 
 /// A part of a stream of runs.

@@ -130,7 +130,7 @@ impl<B> Estimation<B> {
         state: &DeviceState<E>,
         samples: FilmSamples,
     ) -> Result<Timings, ExecError> {
-        if self.mean_radiance.is_some() || samples.average == 0 {
+        if self.mean_radiance.is_some_and(|mean| mean > 0.0) || samples.average == 0 {
             return Ok(Timings::default());
         }
         let timings = self.run_update(state, samples)?;
