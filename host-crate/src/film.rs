@@ -22,12 +22,16 @@ pub struct Film {
     /// without bias; none where there is no control film (see
     /// [`raystream_shaders::film::control`]).
     pub corrections: Option<Vec<Vec3>>,
+    /// What light tracing found of each pixel, likewise: mean radiance over all light paths, linear
+    /// Rec.709, to be added to that of the samples; none without light tracing (see
+    /// [`raystream_shaders::film::splats`]). All pictures below have it.
+    pub splats: Option<Vec<Vec3>>,
 }
 
 impl Film {
-    /// The picture: radiance of each pixel, linear Rec.709; black where there is no sample. It is
-    /// [`Self::plain`] with the corrections added, where there are any; then a component that is
-    /// noisy and dark may be a little below 0.
+    /// The picture: radiance of each pixel, linear Rec.709; what light tracing found, if anything,
+    /// where there is no sample. It is [`Self::plain`] with the corrections added, where there are
+    /// any; then a component that is noisy and dark may be a little below 0.
     pub fn color(&self) -> Vec<Vec3> {
         let plain = self.plain();
         match &self.corrections {
@@ -36,15 +40,16 @@ impl Film {
         }
     }
 
-    /// Mean radiance over all samples of each pixel, linear Rec.709; black where there is no
-    /// sample. Where values decide about the numbers of samples it is biased, by some percent too
-    /// dark.
+    /// Mean radiance over all samples of each pixel, with what light tracing found, linear Rec.709;
+    /// black where there is neither. Where values decide about the numbers of samples it is biased,
+    /// by some percent too dark.
     pub fn plain(&self) -> Vec<Vec3> {
-        self.radiance.iter().map(|p| mean(p.sum(), p.samples())).collect()
+        self.with_splats(self.radiance.iter().map(|p| mean(p.sum(), p.samples())))
     }
 
-    /// Variance of each pixel's **mean**, by component: the squared standard error of
-    /// [`Self::plain`]. Infinite for fewer than two samples.
+    /// Variance of each pixel's **mean** over its samples, by component: the squared standard error
+    /// of [`Self::plain`], but for that of light tracing, of which nothing is known. Infinite for
+    /// fewer than two samples.
     pub fn variance(&self) -> Vec<Vec3> {
         self.radiance
             .iter()
@@ -60,13 +65,14 @@ impl Film {
             .collect()
     }
 
-    /// Means over the first and over the second half of the samples, two independent pictures;
-    /// none where no pixel has a second half. With a control film the first half is that.
+    /// Means over the first and over the second half of the samples, two independent pictures; none
+    /// where no pixel has a second half. With a control film the first half is that. What light
+    /// tracing found is the same in both.
     pub fn halves(&self) -> Option<[Vec<Vec3>; 2]> {
         self.radiance.iter().any(|p| p.second_samples > 0).then(|| {
             let first = self.radiance.iter().map(|p| mean(p.first_sum, p.first_samples));
             let second = self.radiance.iter().map(|p| mean(p.second_sum, p.second_samples));
-            [first.collect(), second.collect()]
+            [self.with_splats(first), self.with_splats(second)]
         })
     }
 
@@ -98,15 +104,25 @@ impl Film {
         self.radiance.iter().map(FilmPixel::samples).collect()
     }
 
-    /// The filtered picture, linear Rec.709; none without estimates.
+    /// The filtered picture, linear Rec.709; none without estimates. What light tracing found is
+    /// added to it and not filtered.
     pub fn filtered(&self) -> Option<Vec<Vec3>> {
-        self.of_estimates(|e| e.filtered)
+        let filtered = self.of_estimates(|e| e.filtered)?;
+        Some(self.with_splats(filtered.into_iter()))
     }
 
     /// Estimated squared error of each pixel of [`Self::color`], the mean over the components, in
-    /// squared radiance; none without estimates.
+    /// squared radiance; none without estimates. That of light tracing is not in it: samples do not
+    /// make it smaller.
     pub fn squared_error(&self) -> Option<Vec<f32>> {
         self.of_estimates(|e| e.squared_error)
+    }
+
+    fn with_splats(&self, samples: impl Iterator<Item = Vec3>) -> Vec<Vec3> {
+        match &self.splats {
+            Some(splats) => samples.zip(splats).map(|(color, splat)| color + splat).collect(),
+            None => samples.collect(),
+        }
     }
 
     fn of_estimates<T>(&self, value: impl Fn(&Estimate) -> T) -> Option<Vec<T>> {

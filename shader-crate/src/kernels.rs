@@ -123,6 +123,19 @@ macro_rules! for_each_kernel {
                 read scratch: $crate::glam::UVec4,
                 scatter cache: $crate::glam::UVec4,
             }
+            /// Connects the vertices of the light vertex cache to the camera.
+            connect_to_camera[128] = $crate::integrator::lvc::light_tracing::connect_to_camera {
+                uniform parameters: $crate::integrator::lvc::LvcParams,
+                with scene,
+                read cache: $crate::glam::UVec4,
+                scatter splats: $crate::glam::UVec4,
+            }
+            /// Adds splats to their film.
+            add_splats[256] = $crate::film::splats::add_splats {
+                uniform parameters: $crate::film::splats::SplatParams,
+                read splats: $crate::glam::UVec4,
+                atomic film,
+            }
             /// Traces the paths of a stream, which connect to the light vertex cache.
             trace_eye_paths[128] = $crate::integrator::lvc::eye_path::trace_eye_paths {
                 uniform parameters: $crate::integrator::lvc::LvcParams,

@@ -72,6 +72,7 @@ pub fn wall(
         features: pixels.map(features).collect(),
         estimates: None,
         corrections: None,
+        splats: None,
     }
 }
 

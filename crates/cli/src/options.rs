@@ -7,7 +7,8 @@ use clap::{Args, ValueEnum};
 use raystream::exec::ExecError;
 use raystream::exec::device::{Device, OpenOptions};
 use raystream::render::{
-    BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene, RenderError, Sampling, Settings,
+    BidirectionalTechniques, BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene,
+    RenderError, Sampling, Settings,
 };
 use raystream::scene::{FilmSize, Scene, SceneError};
 use raystream_shaders::integrator::lvc::MAX_CONNECTIONS;
@@ -80,7 +81,7 @@ pub struct SettingsArguments {
     #[arg(long, value_parser = choice::<IntegratorKind>(), default_value_t)]
     integrator: IntegratorKind,
     /// Light paths of each round of the integrator lvc [default: by a pilot run, as many as leave
-    /// about one vertex for each pixel, but no more than pixels, up to 2^20].
+    /// about four vertices for each pixel (one with --no-light-tracing), up to 2^20 vertices].
     #[arg(
         long,
         value_name = "N",
@@ -95,6 +96,10 @@ pub struct SettingsArguments {
         value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_CONNECTIONS))
     )]
     connections: Option<u32>,
+    /// Leave out light tracing in the integrator lvc: light vertices do not connect to the camera,
+    /// and caustics are left to paths from there.
+    #[arg(long)]
+    no_light_tracing: bool,
     /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there.
     /// Details smaller than that cast no shadow; other renderers take some 1500.
     #[arg(
@@ -154,7 +159,11 @@ impl SettingsArguments {
             light_cache: LightCacheSettings {
                 light_paths: self.light_paths,
                 connections: self.connections,
-                ..LightCacheSettings::default()
+                techniques: if self.no_light_tracing {
+                    BidirectionalTechniques::WithoutLightTracing
+                } else {
+                    BidirectionalTechniques::All
+                },
             },
             ..own
         }
@@ -181,6 +190,9 @@ impl SettingsArguments {
                 |name, number: Option<u32>| number.map(|number| pair(name, number.to_string()));
             pairs.extend(number("light_paths", settings.light_cache.light_paths));
             pairs.extend(number("connections", settings.light_cache.connections));
+            if self.no_light_tracing {
+                pairs.push(pair("light_tracing", "off".to_owned()));
+            }
         }
         pairs
     }

@@ -160,6 +160,7 @@ mod tests {
             features: (0..pixels).map(features).collect(),
             estimates: None,
             corrections: None,
+            splats: None,
         }
     }
 
@@ -228,6 +229,7 @@ mod tests {
             features: vec![surface, FeaturePixel::default()],
             estimates: Some(vec![estimate(0.25), estimate(f32::INFINITY)]),
             corrections: None,
+            splats: None,
         }
     }
 
@@ -263,6 +265,7 @@ mod tests {
             features: vec![FeaturePixel::default(); 12],
             estimates: None,
             corrections: None,
+            splats: None,
         };
         assert_eq!(write_png_layers(&path, &film, &Display::default()).unwrap().len(), 4);
     }

@@ -125,19 +125,22 @@ pub(super) mod tests {
             features: (0..pixels).map(features).collect(),
             estimates: None,
             corrections: None,
+            splats: None,
         }
     }
 
-    /// [`film`], with estimates and corrections whose every number differs.
+    /// [`film`], with estimates, corrections and splats whose every number differs.
     pub fn film_with_estimates(width: u32, height: u32) -> Film {
         let estimate = |i: u32| Estimate {
             filtered: Vec3::new(0.2, 1.9, 700.1) * (i * 17 + 1) as f32 / 3.0,
             squared_error: (i * i) as f32 / 7.0,
         };
         let correction = |i: u32| Vec3::new(0.01, -0.3, 20.3) * i as f32;
+        let splat = |i: u32| Vec3::new(0.7, 0.03, 11.0) * i as f32;
         Film {
             estimates: Some((0..width * height).map(estimate).collect()),
             corrections: Some((0..width * height).map(correction).collect()),
+            splats: Some((0..width * height).map(splat).collect()),
             ..film(width, height)
         }
     }
@@ -185,12 +188,12 @@ pub(super) mod tests {
             if film.corrections.is_some() {
                 vectors.push(("plain.", "RGB", film.plain()));
             }
-            if let Some(estimates) = &film.estimates {
+            if let (Some(estimates), Some(filtered)) = (&film.estimates, film.filtered()) {
                 expected.push((
                     "error.V".to_owned(),
                     estimates.iter().map(|e| e.squared_error).collect(),
                 ));
-                vectors.push(("filtered.", "RGB", estimates.iter().map(|e| e.filtered).collect()));
+                vectors.push(("filtered.", "RGB", filtered));
             }
             for (layer, components, values) in vectors {
                 for (i, component) in components.chars().enumerate() {

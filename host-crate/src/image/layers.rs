@@ -43,6 +43,8 @@ impl LayeredImage {
     /// | `filtered.R` ... `B` | the filtered picture, linear Rec.709; only with estimates |
     /// | `error.V` | estimated squared error of the radiance, mean over R, G, B; with estimates |
     ///
+    /// What light tracing found is in all pictures of radiance, but not in `variance` and `error`.
+    ///
     /// `samples.N` is a float as all the others are, which every viewer shows; it is exact up to
     /// 2^24 samples. `path` is named in errors.
     ///
@@ -95,6 +97,7 @@ pub fn check_film(path: &Path, film: &Film) -> Result<(), ImageError> {
         ("the features", Some(film.features.len())),
         ("the estimates", film.estimates.as_ref().map(Vec::len)),
         ("the corrections", film.corrections.as_ref().map(Vec::len)),
+        ("the splats", film.splats.as_ref().map(Vec::len)),
     ];
     for (what, values) in buffers {
         if let Some(values) = values {

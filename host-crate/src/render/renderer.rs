@@ -212,13 +212,15 @@ impl<E: Executor> Renderer<E> {
     }
 
     /// Copies the film to the host, with the features [so far](Self::finish_features) and, where
-    /// there are such, with estimates of its errors and with the corrections by the control film.
+    /// there are such, with estimates of its errors, with the corrections by the control film and
+    /// with what light tracing found. Errors are those of the samples alone.
     pub fn film(&mut self) -> Result<Film, ExecError> {
         let samples = self.film_samples();
         self.estimation.run_update(&self.state, samples)?;
         self.resolve()?;
-        let DeviceState { executor, film, .. } = &self.state;
+        let DeviceState { executor, film, integrator, .. } = &self.state;
         let mut film = film.read(executor)?;
+        film.splats = integrator.splats(executor)?;
         film.estimates = self.estimation.read(executor)?;
         let control = self.control.as_ref();
         film.corrections = control.map(|control| control.read(executor)).transpose()?;

@@ -49,10 +49,10 @@ device_struct! {
         pub first_material: u32,
         /// Row of `surfaces` with the first light.
         pub first_light: u32,
+        /// Largest component of the radiance that lights emit; 0 without lights.
+        pub brightest: f32,
         /// Unused; zero.
-        pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
+        pub pad: u32,
     }
 }
 

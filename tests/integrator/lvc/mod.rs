@@ -2,5 +2,6 @@
 
 mod agreement;
 mod cache;
+mod light_tracing;
 mod renders;
 mod weights;

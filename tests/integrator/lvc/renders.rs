@@ -34,16 +34,23 @@ pub fn rounds<E: Executor>(
     let mut renderer = Renderer::new(executor, scene, settings).expect("the scene fits");
     let mut before = vec![DVec3::ZERO; (settings.size.width * settings.size.height) as usize];
     let mut pictures = Vec::with_capacity(count);
-    for _ in 0..count {
+    for round in 1..=count {
         renderer.uniform_round(samples).finish().expect("the device works");
         let film = renderer.film().expect("the device works");
-        let sums: Vec<DVec3> = film.radiance.iter().map(|pixel| pixel.sum().as_dvec3()).collect();
-        pictures.push(
-            sums.iter()
-                .zip(&before)
-                .map(|(sum, before)| (*sum - *before) / f64::from(samples))
-                .collect(),
-        );
+        // Rounds are of one length, so the mean of their pictures is that of all samples, and of
+        // all light paths.
+        let samples = f64::from(samples) * round as f64;
+        let black = vec![Vec3::ZERO; film.radiance.len()];
+        let splats = film.splats.as_ref().unwrap_or(&black);
+        let sums: Vec<DVec3> = film
+            .radiance
+            .iter()
+            .zip(splats)
+            .map(|(pixel, splat)| {
+                (pixel.sum().as_dvec3() / samples + splat.as_dvec3()) * round as f64
+            })
+            .collect();
+        pictures.push(sums.iter().zip(&before).map(|(sum, before)| *sum - *before).collect());
         before = sums;
     }
     pictures
@@ -136,7 +143,7 @@ fn without_a_cache_it_is_the_path_tracer() {
     let mut dark = scenes::empty(Vec3::new(0.0, 0.3, 4.0), Vec3::ZERO);
     let white = dark.add_material(scenes::diffuse(0.8));
     scenes::add_ball(&mut dark, Vec3::ZERO, 1.0, 2, white);
-    for (mut scene, max_depth) in [(dark, 20), (scenes::room(scenes::mirror(0.9), 1.0), 2)] {
+    for (mut scene, max_depth) in [(dark, 20), (scenes::room(scenes::mirror(0.9), 1.0), 1)] {
         scene.background = Vec3::ONE;
         let prepared = prepare(&scene);
         let path_tracer = Settings { max_depth, ..settings(&scene) };

@@ -3,8 +3,8 @@
 
 use glam::{DVec3, Vec3};
 use raystream_shaders::integrator::lvc::mis::{
-    Join, Subpath, TechniqueSamples, connection_weight, cosine, emission_weight, lambert,
-    light_weight,
+    Join, Subpath, TechniqueSamples, camera_weight, connection_weight, cosine, emission_weight,
+    lambert, light_weight,
 };
 use raystream_shaders::math::random::{hash, unit_float};
 use raystream_shaders::scene::bsdf::{BsdfSample, Material, MaterialKind};
@@ -27,6 +27,8 @@ struct Vertex {
 struct Path {
     vertices: Vec<Vertex>,
     light_pdf: f32,
+    /// Density per solid angle of the camera's ray.
+    camera_pdf: f32,
     samples: TechniqueSamples,
 }
 
@@ -60,8 +62,10 @@ impl Random {
             let vertices: Vec<Vertex> = (0..=segments).map(|_| self.vertex(world)).collect();
             let light_pdf = self.scale(1e-2, 1e2) / (world * world);
             let connection = self.scale(0.05, 20.0);
-            let samples = TechniqueSamples { emission: 1.0, light: 1.0, connection };
-            let path = Path { vertices, light_pdf, samples };
+            // From some light paths for each sample to a picture of many pixels.
+            let (camera, camera_pdf) = (self.scale(1.0, 1e6), self.scale(1.0, 1e6));
+            let samples = TechniqueSamples { emission: 1.0, light: 1.0, connection, camera };
+            let path = Path { vertices, light_pdf, camera_pdf, samples };
             if path.is_possible() {
                 return path;
             }
@@ -115,15 +119,21 @@ impl Path {
         })
     }
 
-    /// Whether vertex `i` may be connected to: the light and the camera may, if somebody could.
+    /// Whether vertex `i` may be connected to: the light and the camera may.
     fn is_diffuse(&self, i: usize) -> bool {
-        i == 0 || self.vertices[i].material.kind == MaterialKind::DIFFUSE
+        i == 0 || i == self.segments() || self.vertices[i].material.kind == MaterialKind::DIFFUSE
     }
 
     /// Whether there is a technique with `s` vertices from the light. That with the camera alone on
-    /// the other side is light tracing.
+    /// the other side is light tracing, by which the light itself is not seen.
     fn exists(&self, s: usize) -> bool {
-        s == 0 || s < self.segments() && self.is_diffuse(s - 1) && self.is_diffuse(s)
+        let is_direct = s == 1 && self.segments() == 1;
+        s == 0 || !is_direct && self.is_diffuse(s - 1) && self.is_diffuse(s)
+    }
+
+    /// Samples of the technique with `s` vertices from the light.
+    fn samples_of(&self, s: usize) -> f32 {
+        if s == self.segments() && s > 0 { self.samples.camera } else { self.samples.of(s as u32) }
     }
 
     /// Density per solid angle of the direction from `at` to `to`, for a path that comes from
@@ -165,11 +175,11 @@ impl Path {
         self.direction(0, 1).as_dvec3().dot(self.vertices[0].geometric.as_dvec3()).abs() / PI
     }
 
-    /// Density per area with which a path from the camera finds vertex `i`; that of the first is
-    /// the same for all techniques.
+    /// Density per area with which a path from the camera finds vertex `i`; that of the camera
+    /// itself is the same for all techniques.
     fn camera_density(&self, i: usize) -> f64 {
         if i + 1 == self.segments() {
-            1.0
+            self.per_area(f64::from(self.camera_pdf), i + 1, i)
         } else {
             self.per_area(self.solid_angle_pdf(i + 2, i + 1, i), i + 1, i)
         }
@@ -181,10 +191,10 @@ impl Path {
         let density = |s: usize| -> f64 {
             let light: f64 = (0..s).map(|i| self.light_density(i)).product();
             let camera: f64 = (s..segments).map(|i| self.camera_density(i)).product();
-            f64::from(self.samples.of(s as u32)) * light * camera
+            f64::from(self.samples_of(s)) * light * camera
         };
         let squares: Vec<Option<f64>> =
-            (0..segments.max(1)).map(|s| self.exists(s).then(|| density(s).powi(2))).collect();
+            (0..=segments).map(|s| self.exists(s).then(|| density(s).powi(2))).collect();
         let sum: f64 = squares.iter().flatten().sum();
         squares.into_iter().map(|square| square.map(|square| square / sum)).collect()
     }
@@ -233,11 +243,11 @@ impl Path {
     /// The path from the camera up to vertex `s`.
     fn eye(&self, s: usize) -> Subpath {
         let last = self.segments();
-        let first = self.arrived(Subpath::FROM_CAMERA, last, last - 1);
-        let connection = self.samples.connection;
-        (s + 1..last)
-            .rev()
-            .fold(first, |path, at| self.extended(path, [at + 1, at, at - 1], connection))
+        let first = self.arrived(Subpath::from_camera(self.camera_pdf), last, last - 1);
+        (s + 1..last).rev().fold(first, |path, at| {
+            let samples = self.samples.without_last_of((last - at) as u32);
+            self.extended(path, [at + 1, at, at - 1], samples)
+        })
     }
 
     /// The path from the light up to vertex `s - 1`, which is not on the light.
@@ -258,12 +268,21 @@ impl Path {
     /// The weight of the technique with `s` vertices from the light, as the kernels find it.
     fn weight(&self, s: usize) -> f32 {
         let samples = &self.samples;
+        let segments = self.segments();
+        let light_norm = || self.norm(&self.light(s), s - 2, s - 1, samples.of(s as u32 - 1));
+        if s > 0 && s == segments {
+            let direction = self.direction(s, s - 1);
+            let distance2 =
+                self.vertices[s].position.distance_squared(self.vertices[s - 1].position);
+            let cosine = cosine(self.vertices[s - 1].geometric, direction);
+            return camera_weight(samples, self.camera_pdf * cosine / distance2, light_norm());
+        }
         let eye = self.eye(s);
         if s == 0 {
             let leaving = cosine(self.vertices[0].geometric, self.direction(0, 1));
-            return emission_weight(samples, &eye, self.light_pdf, leaving);
+            return emission_weight(samples, &eye, segments as u32, self.light_pdf, leaving);
         }
-        let norm = self.norm(&eye, s + 1, s, samples.connection);
+        let norm = self.norm(&eye, s + 1, s, samples.without_last_of((segments - s) as u32));
         let direction = self.direction(s, s - 1);
         let distance2 = self.vertices[s].position.distance_squared(self.vertices[s - 1].position);
         let eye_cosine = cosine(self.vertices[s].geometric, direction);
@@ -276,8 +295,7 @@ impl Path {
         }
         let light_pdf = lambert(cosine(self.vertices[s - 1].shading, direction));
         let join = Join::new(distance2, eye_cosine, eye_pdf, light_cosine, light_pdf);
-        let light_norm = self.norm(&self.light(s), s - 2, s - 1, samples.of(s as u32 - 1));
-        connection_weight(samples, &join, norm, light_norm)
+        connection_weight(samples, &join, norm, light_norm())
     }
 }
 
@@ -285,6 +303,7 @@ impl Path {
 #[test]
 fn every_weight_is_that_of_the_definition() {
     let mut techniques = [0_u32; 9];
+    let mut light_tracing = 0;
     for world in [1e-4, 1.0, 1e6] {
         let mut random = Random(hash(world as u32));
         for _ in 0..20_000 {
@@ -293,6 +312,7 @@ fn every_weight_is_that_of_the_definition() {
             for (s, expected) in path.expected_weights().into_iter().enumerate() {
                 let Some(expected) = expected else { continue };
                 techniques[s] += 1;
+                light_tracing += u32::from(s > 0 && s == path.segments());
                 let weight = f64::from(path.weight(s));
                 sum += weight;
                 assert!(
@@ -309,8 +329,8 @@ fn every_weight_is_that_of_the_definition() {
         }
     }
     assert!(
-        techniques[..8].iter().all(|&paths| paths > 500),
-        "too few paths of some kind: {techniques:?}"
+        techniques[..8].iter().all(|&paths| paths > 500) && light_tracing > 10_000,
+        "too few paths of some kind: {techniques:?}, {light_tracing} of light tracing"
     );
 }
 
@@ -318,18 +338,23 @@ fn every_weight_is_that_of_the_definition() {
 #[test]
 fn techniques_can_be_left_out() {
     let mut random = Random(5);
-    for [emission, light, connection] in
-        [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 2.0], [1e-3, 1e-3, 2.0]]
-    {
+    for [emission, light, connection, camera] in [
+        [1.0, 0.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0, 0.0],
+        [1.0, 0.0, 2.0, 0.0],
+        [1e-3, 1e-3, 2.0, 0.0],
+        [1.0, 0.0, 0.0, 3.0],
+        [1e-3, 1e-3, 0.0, 3.0],
+    ] {
         for _ in 0..5_000 {
             let path = Path {
-                samples: TechniqueSamples { emission, light, connection },
+                samples: TechniqueSamples { emission, light, connection, camera },
                 ..random.path(1.0)
             };
             let mut sum = 0.0;
-            for s in (0..path.segments()).filter(|&s| path.exists(s)) {
+            for s in (0..=path.segments()).filter(|&s| path.exists(s)) {
                 let weight = path.weight(s);
-                assert!(path.samples.of(s as u32) > 0.0 || weight == 0.0);
+                assert!(path.samples_of(s) > 0.0 || weight == 0.0);
                 sum += weight;
             }
             assert!((sum - 1.0).abs() <= 1e-4, "the weights sum to {sum}");

@@ -53,10 +53,12 @@ impl Spread {
         let samples = shared.min(LONGEST);
         let mut before = 0.0;
         let mut sums = Vec::new();
-        for _ in 0..ROUNDS {
+        for round in 1..=ROUNDS {
             renderer.uniform_round(samples).finish()?;
-            let sum: f64 = renderer.film()?.radiance.iter().map(|p| gray(p.sum())).sum();
-            sums.push((sum - before) / f64::from(samples));
+            // Rounds are of one length, so the film is the mean of their pictures.
+            let mean: f64 = renderer.film()?.color().into_iter().map(gray).sum();
+            let sum = mean * f64::from(round);
+            sums.push(sum - before);
             before = sum;
         }
         Ok(Some(Self { variance: variance(&sums), samples, shared }))
@@ -172,6 +174,7 @@ mod tests {
             features: Vec::new(),
             estimates: None,
             corrections: None,
+            splats: None,
         }
     }
 

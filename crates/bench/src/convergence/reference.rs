@@ -221,6 +221,7 @@ mod tests {
                 features: Vec::new(),
                 estimates: None,
                 corrections: None,
+                splats: None,
             }
         };
         let reference = Reference::of_halves(&film(1.0), &film(3.0), 4, IntegratorKind::Lvc);

@@ -64,6 +64,7 @@ fn the_help_of_every_command() {
         "--integrator",
         "--light-paths",
         "--connections",
+        "--no-light-tracing",
         "--bvh",
         "--device",
     ];

@@ -66,6 +66,13 @@ fn bidirectional_renders_by_every_allocator() {
             );
         }
     }
+    render(folder.path(), "--integrator lvc --no-light-tracing --size 16x12 --spp 8 -o b.exr")
+        .succeeded();
+    let settings = read_settings(&folder.path().join("b.exr")).unwrap();
+    assert!(
+        settings.iter().any(|(key, text)| key.ends_with("light_tracing") && text == "off"),
+        "{settings:?}"
+    );
     render(folder.path(), "--integrator lvc --size 16x12 --spp 8 -o a.exr").succeeded();
     let settings = read_settings(&folder.path().join("a.exr")).unwrap();
     assert!(

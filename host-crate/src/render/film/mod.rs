@@ -1,6 +1,7 @@
 //! The film in a device's memory.
 
 pub mod control;
+pub mod splats;
 
 use crate::exec::{Array, ExecError, Executor};
 use crate::film::Film;
@@ -120,7 +121,8 @@ impl<B> FilmBuffers<B> {
                 features[in_rows(offset)] = pixel;
             }
         }
-        Ok(Film { width, height, radiance, features, estimates: None, corrections: None })
+        let (estimates, corrections, splats) = (None, None, None);
+        Ok(Film { width, height, radiance, features, estimates, corrections, splats })
     }
 }
 

@@ -13,6 +13,7 @@
 
 pub mod first_hits;
 pub mod lvc;
+mod lvc_numbers;
 pub mod lvc_settings;
 pub mod megakernel;
 mod passes;
@@ -21,6 +22,7 @@ pub mod wavefront;
 
 use super::settings::{IntegratorKind, Settings};
 use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers};
+use glam::Vec3;
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::integrator::params::PathParams;
@@ -59,6 +61,14 @@ pub trait Integrator<E: Executor>: Send + Sync {
         _part: Range<u32>,
     ) -> Result<Vec<u32>, ExecError> {
         Ok(Vec::new())
+    }
+
+    /// Copies to the host what the rounds so far have found without slots, in rows: mean radiance
+    /// to be added to that of each pixel's samples, see
+    /// [`Film::splats`](crate::film::Film::splats). None where all that is found is in
+    /// contributions.
+    fn splats(&self, _executor: &E) -> Result<Option<Vec<Vec3>>, ExecError> {
+        Ok(None)
     }
 
     /// Slots that should share what one [`begin_round`](Self::begin_round) makes, at most; a round

@@ -10,6 +10,8 @@ pub struct Lights {
     pub table: Vec<Light>,
     /// Sum of area times importance, in squared world units.
     pub total_importance: f32,
+    /// Largest component of emitted radiance; 0 without lights.
+    pub brightest: f32,
 }
 
 /// Finds the emissive triangles and builds their alias table.
@@ -39,7 +41,9 @@ pub fn build(triangles: &[Triangle], materials: &[Material]) -> Lights {
             pad: 0,
         })
         .collect();
-    Lights { table, total_importance: total_importance as f32 }
+    let brightest =
+        emissive.iter().map(|(_, material)| material.emission.max_element()).fold(0.0, f32::max);
+    Lights { table, total_importance: total_importance as f32, brightest }
 }
 
 fn area(triangle: &Triangle) -> f64 {
@@ -104,6 +108,6 @@ mod tests {
     fn no_lights_make_an_empty_table() {
         let lights = build(&[], &[]);
         assert!(lights.table.is_empty());
-        assert_eq!(lights.total_importance, 0.0);
+        assert_eq!((lights.total_importance, lights.brightest), (0.0, 0.0));
     }
 }

@@ -61,6 +61,7 @@ impl PreparedScene {
             background: scene.background,
             lights: lights.table.len() as u32,
             total_importance: lights.total_importance,
+            brightest: lights.brightest,
             first_planes,
             first_attributes: append(&mut surfaces, &attributes),
             first_material: append(&mut surfaces, &materials),

@@ -64,10 +64,11 @@ impl EyeTracer<'_> {
     /// The contribution of one slot.
     fn trace(&self, slot: Slot) -> Contribution {
         let numbers = self.params.path.numbers(slot);
+        let ray = self.params.path.camera_ray(slot, &numbers);
         let mut path = EyePath {
-            ray: self.params.path.camera_ray(slot, &numbers),
+            ray,
             throughput: Vec3::ONE,
-            subpath: Subpath::FROM_CAMERA,
+            subpath: Subpath::from_camera(self.params.path.camera.pdf(ray.direction)),
             radiance: Vec3::ZERO,
             rays: 0,
         };
@@ -95,7 +96,7 @@ impl EyeTracer<'_> {
         path.subpath = path.subpath.arrive(hit.t, arriving);
         if surface.emits() {
             let light_pdf = self.scene.lights.area_pdf(surface.emission);
-            let weight = emission_weight(&self.samples, &path.subpath, light_pdf, arriving);
+            let weight = emission_weight(&self.samples, &path.subpath, depth, light_pdf, arriving);
             path.radiance += path.throughput * surface.emission * weight;
         }
         if depth >= render.max_depth {
@@ -103,9 +104,10 @@ impl EyeTracer<'_> {
         }
         let vertex = depth - 1;
         let [choice, roulette] = numbers.bits(of_vertex(vertex, CHOICES));
+        let without = self.samples.without_last_of(depth);
         if !surface.bsdf.is_delta() {
             let back = lambert(cosine(surface.bsdf.normal, incoming));
-            let norm = path.subpath.norm(self.samples.connection, back);
+            let norm = path.subpath.norm(without, back);
             if !self.scene.lights.is_empty() && self.samples.light > 0.0 {
                 let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
                 self.sample_light(path, &surface, norm, choice, point);
@@ -117,7 +119,7 @@ impl EyeTracer<'_> {
         let u = numbers.pair(of_vertex(vertex, BSDF));
         let sample = surface.bsdf.sample(incoming, u, unit_float(choice));
         path.throughput *= sample.weight;
-        path.subpath = path.subpath.scatter(&surface, incoming, &sample, self.samples.connection);
+        path.subpath = path.subpath.scatter(&surface, incoming, &sample, without);
         if !render.survives(depth, roulette, &mut path.throughput) {
             return false;
         }

@@ -29,9 +29,12 @@
 //! large coordinates.
 //!
 //! Roulette is not in the densities, since a path from the other side could not know it: weights
-//! need only be the same function of the path for all techniques. Light tracing (`s = K`, the
-//! camera's vertex alone from its side) would enter through [`Subpath::FROM_CAMERA`], whose
-//! `adjacent` it would make the number of its samples over the density of the camera's ray.
+//! need only be the same function of the path for all techniques.
+//!
+//! Light tracing is `s = K`, the camera's vertex alone from its side. Its `b_K` is that of the
+//! pinhole, which all techniques share, so it cancels; `b_(K-1)` follows from the density of the
+//! camera's ray within the pixel (see [`Camera::pdf`](crate::scene::camera::Camera::pdf)). It is
+//! left out for `K = 1`: a lamp seen directly is what eye paths find without noise.
 
 use crate::glam::Vec3;
 use crate::math::power_heuristic;
@@ -52,10 +55,14 @@ pub struct TechniqueSamples {
     /// Of connecting each vertex with the vertices of one number of light paths: `M` draws among
     /// the vertices of `N` light paths that have `C` on average are `M / C` for each path.
     pub connection: f32,
+    /// Of light tracing: light paths for each sample of a pixel. How many samples a pixel gets in a
+    /// round is up to an allocator, so it is a constant of the render, about what a round has.
+    pub camera: f32,
 }
 
 impl TechniqueSamples {
-    /// Of the technique with `vertices` vertices from the light's side.
+    /// Of the technique with `vertices` vertices from the light's side, where the camera's has some
+    /// beside the camera.
     pub fn of(&self, vertices: u32) -> f32 {
         if vertices == 0 {
             self.emission
@@ -64,6 +71,12 @@ impl TechniqueSamples {
         } else {
             self.connection
         }
+    }
+
+    /// Of the technique without the last vertex of a path of `segments` from the camera, if that is
+    /// not on a light.
+    pub fn without_last_of(&self, segments: u32) -> f32 {
+        if segments == 1 { self.camera } else { self.connection }
     }
 }
 
@@ -104,8 +117,10 @@ pub struct Subpath {
 }
 
 impl Subpath {
-    /// The camera alone. No technique makes the first vertex that it sees from the light's side.
-    pub const FROM_CAMERA: Self = Self { adjacent: 0.0, earlier: 0.0 };
+    /// The camera alone, where a direction has been chosen with `pdf` per solid angle.
+    pub fn from_camera(pdf: f32) -> Self {
+        Self { adjacent: 1.0 / pdf, earlier: 0.0 }
+    }
 
     /// A point on a light, chosen with `pdf` per area.
     pub fn from_light(pdf: f32) -> Self {
@@ -165,15 +180,18 @@ impl Subpath {
     }
 }
 
-/// The weight of emission that an eye path ran into, whose end is `eye`: on a light that is chosen
-/// with `light_pdf` per area and emits back along the path under this `cosine`.
+/// The weight of emission that an eye path of `segments` ran into, whose end is `eye`: on a light
+/// that is chosen with `light_pdf` per area and emits back along the path under this `cosine`.
 pub fn emission_weight(
     samples: &TechniqueSamples,
     eye: &Subpath,
+    segments: u32,
     light_pdf: f32,
     cosine: f32,
 ) -> f32 {
-    power_heuristic(samples.emission, light_pdf * eye.norm(samples.light, lambert(cosine)))
+    // Nothing connects the light itself with the camera.
+    let light = if segments == 1 { 0.0 } else { samples.light };
+    power_heuristic(samples.emission, light_pdf * eye.norm(light, lambert(cosine)))
 }
 
 /// The segment between the ends of two subpaths that are put together.
@@ -212,4 +230,10 @@ pub fn light_weight(samples: &TechniqueSamples, join: &Join, eye: f32, light_pdf
 /// The weight of the connection of two vertices with the [norms](Subpath::norm) `eye` and `light`.
 pub fn connection_weight(samples: &TechniqueSamples, join: &Join, eye: f32, light: f32) -> f32 {
     power_heuristic(samples.connection, norm(join.to_light * light, join.to_eye * eye))
+}
+
+/// The weight of light tracing by a vertex with the [norm](Subpath::norm) `light`, which the
+/// camera's ray would find with `to_light` per area.
+pub fn camera_weight(samples: &TechniqueSamples, to_light: f32, light: f32) -> f32 {
+    power_heuristic(samples.camera, to_light * light)
 }

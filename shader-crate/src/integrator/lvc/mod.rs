@@ -13,14 +13,16 @@
 //! | 0 | the eye path runs into the light |
 //! | 1 | next-event estimation |
 //! | 2 and more | connection to a vertex of the cache |
+//! | all but the camera's | [`light_tracing`]: each vertex of the cache connects to the camera |
 //!
-//! and [`mis`] weighs them. Connecting light vertices with the camera itself (light tracing) is
-//! left out, since it would write to other pixels than its own; so what only that can find,
-//! caustics seen directly above all, is left to the eye path, as in the path tracer.
+//! and [`mis`] weighs them. Light tracing alone finds caustics that the camera sees directly. It
+//! writes to other pixels than a slot's own, so it has a film of its own
+//! ([`splats`](crate::film::splats)), which is added to the picture.
 
 pub mod cache;
 pub mod eye_path;
 pub mod light_path;
+pub mod light_tracing;
 pub mod light_vertex;
 pub mod mis;
 
@@ -32,12 +34,13 @@ use mis::TechniqueSamples;
 device_struct! {
     /// What is the same for all paths of a round. 192 bytes.
     pub struct LvcParams {
-        /// Light paths to trace, or slots.
+        /// Light paths to trace, or lanes that share the cache's vertices, or slots.
         pub threads: u32,
         /// Number of the round: the light paths of different rounds are independent.
         pub round: u32,
-        /// Longest light path in segments: with a connection and a segment from the camera it has
-        /// [`PathParams::max_depth`].
+        /// Longest light path in segments: with one to the camera it has
+        /// [`PathParams::max_depth`], or with a connection and a segment from the camera where
+        /// there is no light tracing.
         pub light_segments: u32,
         /// Vertices that the scratch memory has for each light path: `light_segments`, or 0 to
         /// count vertices only.
@@ -54,12 +57,12 @@ device_struct! {
         /// What a connection's contribution is multiplied by, beside the number of vertices in the
         /// cache: `1 / (N M)`.
         pub connection_scale: f32,
+        /// [`TechniqueSamples::camera`]
+        pub camera_samples: f32,
         /// Unused; zero.
         pub pad0: u32,
         /// Unused; zero.
         pub pad1: u32,
-        /// Unused; zero.
-        pub pad2: u32,
         /// The render; its `threads` do not count.
         pub path: PathParams,
     }
@@ -81,6 +84,7 @@ impl LvcParams {
             emission: self.emission_samples,
             light: self.light_samples,
             connection: self.connection_samples,
+            camera: self.camera_samples,
         }
     }
 }
