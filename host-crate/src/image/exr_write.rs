@@ -153,6 +153,41 @@ pub(super) mod tests {
         settings.iter().map(|(k, v)| (k.to_string(), v.to_string())).collect()
     }
 
+    /// The channels that a film should have in a file.
+    fn channels(film: &Film) -> Vec<(String, Vec<f32>)> {
+        let mut expected = vec![
+            ("depth.Z".to_owned(), film.depth()),
+            ("samples.N".to_owned(), film.samples().iter().map(|&n| n as f32).collect()),
+        ];
+        let mut vectors = vec![
+            ("", "RGB", film.color()),
+            ("variance.", "RGB", film.variance()),
+            ("albedo.", "RGB", film.albedo()),
+            ("normal.", "XYZ", film.normal()),
+            ("position.", "XYZ", film.position()),
+        ];
+        for (layer, values) in
+            ["first.", "second."].into_iter().zip(film.halves().into_iter().flatten())
+        {
+            vectors.push((layer, "RGB", values));
+        }
+        if film.corrections.is_some() {
+            vectors.push(("plain.", "RGB", film.plain()));
+        }
+        if let (Some(estimates), Some(filtered)) = (&film.estimates, film.filtered()) {
+            expected
+                .push(("error.V".to_owned(), estimates.iter().map(|e| e.squared_error).collect()));
+            vectors.push(("filtered.", "RGB", filtered));
+        }
+        for (layer, components, values) in vectors {
+            for (i, component) in components.chars().enumerate() {
+                expected
+                    .push((format!("{layer}{component}"), values.iter().map(|v| v[i]).collect()));
+            }
+        }
+        expected
+    }
+
     #[test]
     fn every_layer_comes_back_bit_for_bit() {
         let sizes = [(1, 1), (1, 37), (53, 1), (19, 33)];
@@ -168,41 +203,8 @@ pub(super) mod tests {
             let read = read_layers(&path).unwrap();
             assert_eq!((read.width, read.height), (width, height));
 
-            let mut expected = vec![
-                ("depth.Z".to_owned(), film.depth()),
-                ("samples.N".to_owned(), film.samples().iter().map(|&n| n as f32).collect()),
-            ];
-            let mut vectors = vec![
-                ("", "RGB", film.color()),
-                ("variance.", "RGB", film.variance()),
-                ("albedo.", "RGB", film.albedo()),
-                ("normal.", "XYZ", film.normal()),
-                ("position.", "XYZ", film.position()),
-            ];
             assert_eq!(film.halves().is_some(), width * height > 1);
-            for (layer, values) in
-                ["first.", "second."].into_iter().zip(film.halves().into_iter().flatten())
-            {
-                vectors.push((layer, "RGB", values));
-            }
-            if film.corrections.is_some() {
-                vectors.push(("plain.", "RGB", film.plain()));
-            }
-            if let (Some(estimates), Some(filtered)) = (&film.estimates, film.filtered()) {
-                expected.push((
-                    "error.V".to_owned(),
-                    estimates.iter().map(|e| e.squared_error).collect(),
-                ));
-                vectors.push(("filtered.", "RGB", filtered));
-            }
-            for (layer, components, values) in vectors {
-                for (i, component) in components.chars().enumerate() {
-                    expected.push((
-                        format!("{layer}{component}"),
-                        values.iter().map(|v| v[i]).collect(),
-                    ));
-                }
-            }
+            let expected = channels(&film);
             assert_eq!(read.channels.len(), expected.len());
             for (name, values) in expected {
                 let channel = read.channel(&name).unwrap_or_else(|| panic!("no {name}"));

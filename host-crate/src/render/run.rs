@@ -2,7 +2,7 @@
 
 use super::error::RenderError;
 use super::estimator::Noise;
-use super::renderer::Renderer;
+use super::renderer::{Renderer, Round};
 use super::timings::Timings;
 use crate::exec::Executor;
 use std::time::{Duration, Instant};
@@ -116,7 +116,7 @@ pub fn run<E: Executor>(
     let mut rays_per_path = 0.0;
     let paths_before = renderer.paths();
     let is_late = || budget.time.is_some_and(|time| start.elapsed() >= time);
-    let stop = 'rounds: loop {
+    let stop = loop {
         let paths = renderer.paths() - paths_before;
         let left = total_paths.map_or(u64::MAX, |total| total - paths);
         if left == 0 {
@@ -135,22 +135,16 @@ pub fn run<E: Executor>(
         }
         let left = left.min(affordable(budget.time, paths, start.elapsed()));
         let mut round = renderer.next_round(left)?;
-        while let Some(batch) = round.next_batch()? {
-            progress.paths += u64::from(batch.paths);
+        let stop = trace(&mut round, paths > 0, &is_late, interrupted, &mut |batch| {
+            progress.paths += u64::from(batch);
             progress.elapsed = start.elapsed();
             progress.rays = (progress.paths as f64 * rays_per_path) as u64;
             observe(&progress);
-            let has_samples = paths > 0 || round.is_in_film();
-            if has_samples && is_late() {
-                timings += round.timings();
-                break 'rounds Stop::Time;
-            }
-            if round.is_in_film() && interrupted() {
-                timings += round.timings();
-                break 'rounds Stop::Interrupted;
-            }
-        }
+        })?;
         timings += round.timings();
+        if let Some(stop) = stop {
+            break stop;
+        }
         if last_count.elapsed() >= RAY_COUNT_INTERVAL || rays_per_path == 0.0 {
             rays_per_path = renderer.rays()? as f64 / renderer.paths() as f64;
             last_count = Instant::now();
@@ -160,6 +154,27 @@ pub fn run<E: Executor>(
     let paths = renderer.paths() - paths_before;
     let noise = renderer.noise()?;
     Ok(Outcome { paths, rays: renderer.rays()?, elapsed, timings, stop, noise })
+}
+
+/// Traces a round to its end, or until it `is_late` and there are samples, or `interrupted` says so
+/// and nothing would be lost: then what ended it. `observe` is told of the paths of every batch.
+fn trace<E: Executor>(
+    round: &mut Round<'_, E>,
+    has_samples: bool,
+    is_late: &dyn Fn() -> bool,
+    interrupted: &dyn Fn() -> bool,
+    observe: &mut dyn FnMut(u32),
+) -> Result<Option<Stop>, RenderError> {
+    while let Some(batch) = round.next_batch()? {
+        observe(batch.paths);
+        if (has_samples || round.is_in_film()) && is_late() {
+            return Ok(Some(Stop::Time));
+        }
+        if round.is_in_film() && interrupted() {
+            return Ok(Some(Stop::Interrupted));
+        }
+    }
+    Ok(None)
 }
 
 /// Paths that fit into the time that is left, by the `paths` that have taken `elapsed`: at least one

@@ -81,14 +81,7 @@ impl<B> EstimateBuffers<B> {
         sampling: &Sampling,
         round: ComingRound,
     ) -> Vec<Launch<'a, B>> {
-        // Deficits are those of counts, which go by deviations.
-        let fills_up = sampling.allocator == AllocatorKind::Runs;
-        let form = ErrorForm {
-            samples_of_round: if fills_up { 0.0 } else { round.samples },
-            mean_radiance: round.mean_radiance,
-            noise: sampling.noise.unwrap_or(0.0),
-            relative: u32::from(sampling.relative),
-        };
+        let form = error_form(sampling, round);
         let ranks =
             |band: &Band<B>| band.first_rank as usize..band.first_rank as usize + band.film.len();
         // All guides come before the first estimate: those at a band's border look across it.
@@ -179,6 +172,18 @@ impl<B> EstimateBuffers<B> {
             unconverged: totals.iter().map(|t| u64::from(t.unconverged)).sum(),
             mean_radiance: mean(|t| t.radiance),
         })
+    }
+}
+
+/// How errors follow from estimates.
+fn error_form(sampling: &Sampling, round: ComingRound) -> ErrorForm {
+    // Deficits are those of counts, which go by deviations.
+    let fills_up = sampling.allocator == AllocatorKind::Runs;
+    ErrorForm {
+        samples_of_round: if fills_up { 0.0 } else { round.samples },
+        mean_radiance: round.mean_radiance,
+        noise: sampling.noise.unwrap_or(0.0),
+        relative: u32::from(sampling.relative),
     }
 }
 
