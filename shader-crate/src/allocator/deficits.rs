@@ -68,7 +68,7 @@ pub fn fraction_bits(slots: u32, samples: u64) -> u32 {
     (31_u32.saturating_sub(bits(u64::from(slots)))).min(62_u32.saturating_sub(all))
 }
 
-/// Words of [`Filled`].
+/// Words of what a pass finds.
 pub const LEVEL_WORDS: u32 = 4;
 
 /// Sums over the pixels that lack something at the level of the pass before (in the first pass,
@@ -163,10 +163,10 @@ impl Scale {
 pub const PHASES: u32 = 3;
 /// Words of each kind in a workgroup's memory: for each lane, then for each group of lanes.
 const PLACES: u32 = LANES + LANES / GROUP;
-/// The memory of a workgroup: the four words of [`Filled`], each of all lanes and groups.
+/// The memory of a workgroup: the words of what a pass finds, each of all lanes and groups.
 pub type Memory = [u32; (LEVEL_WORDS * PLACES) as usize];
 
-/// Kernel, in phases: adds up what [`Filled`] has, of the pixels that lack something at the level
+/// Kernel, in phases: adds up samples and errors of the pixels that lack something at the level
 /// of the pass before. `levels` are [`LEVEL_WORDS`] words for each pass, zeroed before the first.
 pub fn raise_level(
     phase: u32,
