@@ -2,12 +2,11 @@
 //! over many renders with seeds of their own.
 
 use super::BenchError;
+use super::convergence::{gray, render_timed, squared_errors, variance};
 use glam::Vec3;
 use raystream::exec::Executor;
-use raystream::film::Film;
-use raystream::render::{PreparedScene, Renderer, Sampling, Settings};
+use raystream::render::{PreparedScene, Sampling, Settings};
 use raystream::scene::FilmSize;
-use std::time::{Duration, Instant};
 
 /// Side lengths of a block, in pixels.
 pub const BLOCK: [u32; 2] = [40, 30];
@@ -37,9 +36,7 @@ impl Estimate {
     /// Of at least two values.
     fn of(values: &[f64]) -> Self {
         let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        Self { mean, error: (variance / n).sqrt() }
+        Self { mean: values.iter().sum::<f64>() / n, error: (variance(values) / n).sqrt() }
     }
 
     /// Its difference from another one, independent of it.
@@ -119,7 +116,7 @@ fn block_means(picture: &[Vec3], size: FilmSize) -> Vec<f64> {
     for (row, y) in picture.chunks(size.width as usize).zip(0..) {
         for (pixel, x) in row.iter().zip(0..) {
             let (sum, count) = &mut sums[(y / BLOCK[1] * columns + x / BLOCK[0]) as usize];
-            *sum += f64::from(pixel.element_sum()) / 3.0;
+            *sum += gray(*pixel);
             *count += 1;
         }
     }
@@ -127,7 +124,7 @@ fn block_means(picture: &[Vec3], size: FilmSize) -> Vec<f64> {
 }
 
 fn gray_mean(picture: &[Vec3]) -> f64 {
-    picture.iter().map(|c| f64::from(c.element_sum()) / 3.0).sum::<f64>() / picture.len() as f64
+    picture.iter().map(|&pixel| gray(pixel)).sum::<f64>() / picture.len() as f64
 }
 
 /// The bias of pictures as `settings` make them, with each of the numbers of `samples` per pixel.
@@ -153,12 +150,13 @@ pub fn measure<E: Executor>(
             let (mut squares, mut plain_squares, mut seconds) = (0.0, 0.0, 0.0);
             for seed in 0..options.renders {
                 let settings = Settings { seed: settings.seed.wrapping_add(seed), ..*settings };
-                let (film, time) = render(executor, scene, &settings, samples)?;
-                squares += mean_square(&film.color(), &truth.mean);
-                plain_squares += mean_square(&film.plain(), &truth.mean);
+                let (film, time) = render_timed(executor, scene, &settings, samples)?;
+                let (color, plain_color) = (film.color(), film.plain());
+                squares += mean_square(&color, &truth.mean);
+                plain_squares += mean_square(&plain_color, &truth.mean);
                 seconds += time.as_secs_f64();
-                pictures.add(&film.color(), settings.size);
-                plain.push(gray_mean(&film.plain()));
+                pictures.add(&color, settings.size);
+                plain.push(gray_mean(&plain_color));
             }
             let mut blocks = block_biases(&pictures, &truth, settings);
             blocks.sort_by(|a, b| b.bias.standard_errors().total_cmp(&a.bias.standard_errors()));
@@ -203,39 +201,14 @@ fn truth<E: Executor>(
     for seed in 0..TRUTH_RENDERS {
         let seed = settings.seed.wrapping_sub(1 + seed);
         let settings = Settings { seed, sampling: Sampling::UNIFORM, ..*settings };
-        let (film, _) = render(executor, scene, &settings, samples.div_ceil(TRUTH_RENDERS))?;
+        let (film, _) = render_timed(executor, scene, &settings, samples.div_ceil(TRUTH_RENDERS))?;
         truth.add(&film.color(), settings.size);
     }
     Ok(truth)
 }
 
-fn render<E: Executor>(
-    executor: &E,
-    scene: &PreparedScene,
-    settings: &Settings,
-    samples: u32,
-) -> Result<(Film, Duration), BenchError> {
-    let mut renderer = Renderer::new(executor, scene, settings)?;
-    let paths = u64::from(samples) * u64::from(renderer.pixels());
-    let mut time = Duration::ZERO;
-    while renderer.paths() < paths {
-        let before = renderer.paths();
-        let start = Instant::now();
-        renderer.step(paths - before)?;
-        time += start.elapsed();
-        if renderer.paths() == before {
-            break;
-        }
-    }
-    let start = Instant::now();
-    renderer.resolve()?;
-    time += start.elapsed();
-    Ok((renderer.film()?, time))
-}
-
 fn mean_square(picture: &[Vec3], truth: &[Vec3]) -> f64 {
-    let squares = picture.iter().zip(truth).map(|(p, t)| f64::from((*p - *t).length_squared()));
-    squares.sum::<f64>() / (3.0 * picture.len() as f64)
+    squared_errors(picture, truth).iter().sum::<f64>() / picture.len() as f64
 }
 
 #[cfg(test)]

@@ -76,7 +76,7 @@ impl Spread {
 }
 
 /// The variance that `values` are drawn with.
-fn variance(values: &[f64]) -> f64 {
+pub(crate) fn variance(values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)
@@ -147,7 +147,7 @@ fn variance_of_sum(variance: &[Vec3]) -> f64 {
 }
 
 /// The mean of the components.
-fn gray(color: Vec3) -> f64 {
+pub(crate) fn gray(color: Vec3) -> f64 {
     color.as_dvec3().element_sum() / 3.0
 }
 

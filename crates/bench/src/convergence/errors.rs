@@ -1,6 +1,7 @@
 //! How far a picture is from the reference.
 
 use crate::BenchError;
+use glam::Vec3;
 use raystream::image::{ColorImage, ComparisonSettings, compare, trimmed_mean};
 
 /// Share of the pixels, the worst ones, that trimmed errors leave out.
@@ -34,7 +35,7 @@ impl Errors {
         let mean_ratio = comparison.ratio.ok_or_else(|| {
             BenchError::Wrong("the reference is black: nothing lights what the camera sees".into())
         })?;
-        let mut squares = squared_errors(test, reference);
+        let mut squares = squared_errors(&test.pixels, &reference.pixels);
         Ok(Self {
             rmse: comparison.rmse,
             trimmed_rmse: trimmed_mean(&mut squares, TRIM).sqrt(),
@@ -45,15 +46,14 @@ impl Errors {
 }
 
 /// Each pixel's squared error, averaged over its components. The pictures are of one size.
-pub fn squared_errors(test: &ColorImage, reference: &ColorImage) -> Vec<f64> {
-    let pairs = test.pixels.iter().zip(&reference.pixels);
+pub fn squared_errors(test: &[Vec3], reference: &[Vec3]) -> Vec<f64> {
+    let pairs = test.iter().zip(reference);
     pairs.map(|(&t, &r)| (t.as_dvec3() - r.as_dvec3()).length_squared() / 3.0).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     fn image(pixel: impl Fn(u32) -> Vec3) -> ColorImage {
         ColorImage { width: 50, height: 40, pixels: (0..2000).map(pixel).collect() }

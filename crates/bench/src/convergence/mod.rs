@@ -24,11 +24,14 @@ mod rounds;
 mod speedup;
 mod tables;
 
+pub(crate) use check::{gray, variance};
 pub use configuration::Configuration;
 pub use curve::{Point, checkpoints};
+pub(crate) use errors::squared_errors;
 pub use errors::{Errors, TRIM};
 pub use identity::Identity;
 pub use reference::{REFERENCE_SEEDS, Reference};
+pub(crate) use render::render_timed;
 pub use report::write_scene;
 pub use rounds::{Breakdown, Rate, Round, UniformRates};
 

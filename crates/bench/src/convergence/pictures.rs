@@ -61,8 +61,10 @@ pub fn write<E: Executor>(
         let configuration = measured.configuration;
         let film = render_to(executor, scene, &plan.settings(settings, configuration, 0), samples)?;
         let image = ColorImage::from_film(&film);
-        let squares: Vec<f32> =
-            squared_errors(&image, &reference.image).into_iter().map(|v| v as f32).collect();
+        let squares: Vec<f32> = squared_errors(&image.pixels, &reference.image.pixels)
+            .into_iter()
+            .map(|v| v as f32)
+            .collect();
         // Uniform sampling comes first.
         let brightest = *brightest.get_or_insert_with(|| quantile(squares.clone(), RANGE));
         let name = measured.name.clone();

@@ -114,12 +114,17 @@ impl<'e, E: Executor> Recording<'e, E> {
         Ok(true)
     }
 
+    /// Takes the last step to the picture as it is; the time with it, by wall and device.
+    fn resolve(&self) -> Result<(Duration, Timings), BenchError> {
+        let start = Instant::now();
+        let mut device = self.device;
+        device += self.renderer.resolve()?;
+        Ok((self.wall + start.elapsed(), device))
+    }
+
     /// The picture as it is.
     fn look(&mut self, checkpoint: u32) -> Result<Look, BenchError> {
-        let start = Instant::now();
-        let resolved = self.renderer.resolve()?;
-        let (wall, mut device) = (self.wall + start.elapsed(), self.device);
-        device += resolved;
+        let (wall, device) = self.resolve()?;
         Ok(Look {
             image: ColorImage::from_film(&self.renderer.film()?),
             checkpoint,
@@ -129,6 +134,19 @@ impl<'e, E: Executor> Recording<'e, E> {
             rays: self.renderer.rays()?,
         })
     }
+}
+
+/// Renders to `samples` per pixel, or as far as pixels want any, with the time that it took.
+pub fn render_timed<E: Executor>(
+    executor: &E,
+    scene: &PreparedScene,
+    settings: &Settings,
+    samples: u32,
+) -> Result<(Film, Duration), BenchError> {
+    let mut recording = Recording::new(executor, scene, settings)?;
+    recording.render_to(samples, false)?;
+    let (wall, _) = recording.resolve()?;
+    Ok((recording.renderer.film()?, wall))
 }
 
 /// What was seen of a render on the way.
