@@ -26,9 +26,6 @@ impl<B> Uniform<B> {
         buffers: &RoundBuffers<'a, B>,
         stream: &Stream,
     ) -> Vec<Launch<'a, B>> {
-        if stream.uniform == 0 {
-            return Vec::new();
-        }
         fill_runs(buffers, stream, |_| self.no_starts.view(), Part::Uniform)
     }
 
@@ -38,9 +35,6 @@ impl<B> Uniform<B> {
         buffers: &RoundBuffers<'a, B>,
         stream: &Stream,
     ) -> Vec<Launch<'a, B>> {
-        if stream.uniform == 0 {
-            return Vec::new();
-        }
         accumulate_runs(buffers, stream, |_| self.no_starts.view(), Part::Uniform)
     }
 }
@@ -130,8 +124,8 @@ pub(super) fn accumulate_runs<'a, B>(
         .collect()
 }
 
-/// The bands that have pixels of a stream of runs, these pixels' places there, and what kernels
-/// with a lane for each are told.
+/// The bands that have pixels of a part of a stream, these pixels' places there, and what kernels
+/// with a lane for each are told; none where the part is empty.
 fn windows<'a, B>(
     buffers: &RoundBuffers<'a, B>,
     stream: &Stream,
@@ -139,7 +133,9 @@ fn windows<'a, B>(
 ) -> impl Iterator<Item = (&'a Band<B>, Range<usize>, RunWindow)> {
     let (split, uniform, first_pixel) = (buffers.split, stream.uniform, stream.pixels.start);
     let uniform_slots = stream.uniform_slots();
-    buffers.film.bands_of(&stream.pixels).map(move |(band, pixels)| {
+    let is_empty = part == Part::Uniform && uniform == 0;
+    let bands = buffers.film.bands_of(&stream.pixels).filter(move |_| !is_empty);
+    bands.map(move |(band, pixels)| {
         let threads = pixels.len() as u32;
         let first_rank = band.first_rank + pixels.start;
         let shared = RunWindow { threads, first_rank, pixels: threads, ..RunWindow::zeroed() };
