@@ -74,7 +74,8 @@ pub struct SettingsArguments {
     /// scene's].
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: Option<u32>,
-    /// Segment after which Russian roulette may end a path [default: the scene's].
+    /// Segment after which Russian roulette may end any path, not dim ones alone; above the longest
+    /// path's for no roulette [default: the scene's].
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..))]
     rr_depth: Option<u32>,
     /// How to compute a path's contribution.

@@ -13,7 +13,7 @@ mod renderer;
 pub mod round;
 pub mod run;
 pub mod scene;
-mod settings;
+pub mod settings;
 mod timings;
 
 pub use error::RenderError;

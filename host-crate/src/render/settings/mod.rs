@@ -26,7 +26,8 @@ pub struct Settings {
     pub independent_sampler: bool,
     /// Longest path in segments, at least 1.
     pub max_depth: u32,
-    /// Segment after which roulette may end a path; above `max_depth` for none.
+    /// Segment after which Russian roulette may end any path, and not only dim ones, which have less
+    /// than a quarter of their throughput left; above `max_depth` for no roulette.
     pub roulette_depth: u32,
     /// How path tracers look for light; `lvc` goes by [`LightCacheSettings::techniques`].
     pub techniques: Techniques,
