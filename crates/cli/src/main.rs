@@ -6,6 +6,7 @@
     reason = "they panic where the reader has gone away, as in `| head`"
 )]
 
+mod agreement;
 mod bench;
 mod choices;
 mod compare;

@@ -4,6 +4,7 @@
 
 mod adaptive;
 mod commands;
+mod comparing;
 mod convergence;
 mod integrators;
 mod interrupt;
