@@ -1,6 +1,7 @@
 //! `raystream compare`
 
 use super::agreement::{self, Verdict};
+use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
 use super::output::{is_same_file, print_line, say};
 use clap::Args;
@@ -32,14 +33,16 @@ pub struct CompareArguments {
 }
 
 /// Compares two pictures.
-pub fn run(arguments: &CompareArguments) -> Result<Ending, CliError> {
+pub fn run(arguments: &CompareArguments, given: &Given) -> Result<Ending, CliError> {
     let CompareArguments { test: test_path, reference: reference_path, .. } = arguments;
     let in_context = |error: image::ImageError| {
         format!("{} and {}: {error}", test_path.display(), reference_path.display())
     };
     check_output(arguments)?;
-    let test = image::read_picture(test_path)?;
-    let reference = image::read_picture(reference_path)?;
+    given.warn(&Facts { has_output: arguments.output.is_some(), ..Facts::default() });
+    let (test, reference) =
+        rayon::join(|| image::read_picture(test_path), || image::read_picture(reference_path));
+    let (test, reference) = (test?, reference?);
     let mut warnings = remarks(test_path, &test);
     warnings.extend(remarks(reference_path, &reference));
     warnings.extend(display_values(arguments, &test, &reference));

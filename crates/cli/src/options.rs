@@ -64,7 +64,7 @@ pub struct SettingsArguments {
     /// Picture size in pixels [default: the scene's].
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<FilmSize>,
-    /// Renders with different seeds are independent of each other.
+    /// Renders with different seeds, from 0 to 4294967295, are independent of each other.
     #[arg(long, default_value_t = 0)]
     seed: u32,
     /// Where random numbers come from.

@@ -1,6 +1,7 @@
 //! `raystream render`
 
 use super::choices::choice;
+use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending, INTERRUPTED};
 use super::hints::with_hint;
 use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
@@ -82,7 +83,7 @@ const BLACK: &str = "the picture is black: no path met light that shines towards
     turned away, or behind a wall, or the camera may be enclosed.";
 
 /// Renders a scene and writes the pictures.
-pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
+pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliError> {
     let interrupted = catch_interrupt()?;
     let scene = arguments.settings.load_scene(&arguments.scene)?;
     let outputs = arguments.outputs(&scene.name);
@@ -90,6 +91,12 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let device = arguments.device.open()?;
     let mut settings =
         Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
+    given.warn(&Facts {
+        integrators: vec![settings.integrator],
+        samplings: vec![settings.sampling],
+        writes_png: outputs.iter().any(|path| is_png(path)),
+        ..Facts::of_device(&device)
+    });
     arguments.say(&format!(
         "{}: {} triangles, {}x{} pixels, on {}",
         scene.name,

@@ -98,7 +98,7 @@ impl Target {
             Some(_) => {
                 path.canonicalize().map_err(|e| ImageError::from_write(path, parent(path), e))?
             }
-            None => path.to_owned(),
+            None => followed(path),
         };
         let folder = parent(&file).to_owned();
         if !folder.is_dir() {
@@ -129,6 +129,22 @@ impl Target {
         }
         Ok((listed, temporary))
     }
+}
+
+/// The file that writing to `path` creates or replaces, symbolic links followed: two paths that lead
+/// to one file have one answer. Nothing where its folder does not exist.
+pub fn written_file(path: &Path) -> Option<PathBuf> {
+    let file = followed(path);
+    Some(parent(&file).canonicalize().ok()?.join(file.file_name()?))
+}
+
+/// Where a path leads by symbolic links, of which the last may lead to a file that is not there.
+fn followed(path: &Path) -> PathBuf {
+    /// As many as Linux follows; the system has already refused links in a circle.
+    const MOST: usize = 40;
+    let next = |path: &PathBuf| Some(parent(path).join(fs::read_link(path).ok()?));
+    let links = std::iter::successors(Some(path.to_owned()), next).take(MOST);
+    links.last().unwrap_or_else(|| path.to_owned())
 }
 
 fn parent(path: &Path) -> &Path {
@@ -321,5 +337,40 @@ mod tests {
         replace_file(&link, b"new").unwrap();
         assert_eq!(fs::read(&file).unwrap(), b"new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_a_file_that_is_not_there_creates_it() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("store")).unwrap();
+        fs::create_dir(at("links")).unwrap();
+        symlink("../store/new.png", at("links/second.png")).unwrap();
+        symlink("links/second.png", at("first.png")).unwrap();
+        symlink("nowhere/new.png", at("lost.png")).unwrap();
+        symlink("circle.png", at("circle.png")).unwrap();
+        assert_eq!(written_file(&at("first.png")), written_file(&at("store/./new.png")));
+        check_writable(&at("first.png")).unwrap();
+        assert_eq!(names(&at("store")), [""; 0]);
+        for contents in [b"one", b"two"] {
+            replace_file(&at("first.png"), contents).unwrap();
+            assert_eq!(fs::read(at("store/new.png")).unwrap(), contents);
+        }
+        assert_eq!(written_file(&at("first.png")), written_file(&at("store/new.png")));
+        for link in ["first.png", "links/second.png"] {
+            assert!(fs::symlink_metadata(at(link)).unwrap().is_symlink(), "{link}");
+        }
+        assert_eq!(names(&at("store")), ["new.png"]);
+        assert_eq!(names(&at("links")), ["second.png"]);
+
+        let error = check_writable(&at("lost.png")).unwrap_err();
+        let ImageError::NoFolder { folder: missing, .. } = &error else { panic!("{error}") };
+        assert!(missing.ends_with("nowhere"), "{error}");
+        assert!(replace_file(&at("lost.png"), b"").is_err());
+        assert_eq!(written_file(&at("lost.png")), None);
+        assert!(replace_file(&at("circle.png"), b"").is_err());
+        assert!(fs::symlink_metadata(at("circle.png")).unwrap().is_symlink());
     }
 }
