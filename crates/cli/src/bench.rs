@@ -132,7 +132,7 @@ impl CommonArguments {
         let integrators = vec![self.settings.integrator()];
         given.warn(&Facts { integrators, on_gpu: Facts::of_device(&device).on_gpu, ..facts });
         for name in &self.scenes {
-            let mut scene = self.settings.load_scene(name)?;
+            let mut scene = self.settings.load_scene(name, false)?;
             scene.film = size.unwrap_or(scene.film);
             let settings = self.settings.settings(&scene);
             print_line(&format!(
@@ -144,7 +144,7 @@ impl CommonArguments {
                 settings.max_depth,
                 device.description()
             ))?;
-            measure(&device, &self.settings.prepare(scene)?, &settings)?;
+            measure(&device, &self.settings.prepare(scene, false)?, &settings)?;
         }
         Ok(())
     }

@@ -141,7 +141,7 @@ enum ErrorMeasure {
 pub fn run(arguments: &ConvergenceArguments, given: &Given) -> Result<Ending, CliError> {
     let levels = arguments.levels()?;
     arguments.check_seed()?;
-    let scenes = entries::load(&arguments.scenes, &arguments.settings)?;
+    let scenes = entries::load(&arguments.scenes, &arguments.settings, arguments.quiet)?;
     let cache = Folder::create(&arguments.cache_folder()?)?;
     let output = Folder::create(&arguments.output)?;
     let device = arguments.device.open()?;
@@ -278,7 +278,7 @@ impl ConvergenceArguments {
         let samples = self.reference_spp.unwrap_or(REFERENCE_FACTOR as u32 * self.spp);
         let reference_settings = Reference::settings(&settings, self.reference_integrator());
         let identity = Identity::new(&scene, &reference_settings, samples);
-        let prepared = self.settings.prepare(scene)?;
+        let prepared = self.settings.prepare(scene, self.quiet)?;
         let path = cache.file(&format!("{label}-{samples}spp-{}.exr", identity.short()));
         let reference =
             self.reference(device, &prepared, &reference_settings, samples, &identity, &path)?;

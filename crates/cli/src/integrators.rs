@@ -66,7 +66,7 @@ pub struct IntegratorsArguments {
 
 /// Measures all scenes.
 pub fn run(arguments: &IntegratorsArguments, given: &Given) -> Result<Ending, CliError> {
-    let scenes = entries::load(&arguments.scenes, &arguments.settings)?;
+    let scenes = entries::load(&arguments.scenes, &arguments.settings, arguments.quiet)?;
     let output = Folder::create(&arguments.output)?;
     let device = arguments.device.open()?;
     let integrators = arguments.integrators(arguments.settings.integrator());
@@ -149,7 +149,7 @@ impl IntegratorsArguments {
             repetitions: self.repetitions,
             stream: self.stream,
         };
-        let prepared = self.settings.prepare(scene)?;
+        let prepared = self.settings.prepare(scene, self.quiet)?;
         let measured = measure(device, &prepared, &settings, &plan, &mut |line| {
             self.tell(&format!("    {line}"));
         })?;

@@ -17,6 +17,7 @@ mod ending;
 mod entries;
 mod hints;
 mod integrators;
+mod interrupt;
 mod loading;
 mod options;
 mod output;
@@ -88,6 +89,7 @@ fn run(arguments: &Arguments, given: &Given) -> Result<Ending, CliError> {
             format!("--threads {threads}: cannot be started: {error}; give a smaller number")
         })?;
     }
+    interrupt::catch()?;
     match &arguments.command {
         Command::Render(arguments) => render::run(arguments, given),
         Command::Compare(arguments) => compare::run(arguments, given),
