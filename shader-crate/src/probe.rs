@@ -52,9 +52,9 @@ pub fn shadow_rays(
     let ray = at(rays, lane);
     let hit = at(hits, lane);
     *shadow = if hit.is_some() && !scene.lights.is_empty() {
+        let point = surface_point(scene, &ray, &hit);
         let numbers = RandomNumbers::new(params.sampler, params.seed, lane, 0);
         let light = scene.lights.point(numbers.bits(CHOICES)[0], numbers.pair(LIGHT_POINT));
-        let point = surface_point(scene, &ray, &hit);
         let from = point.offset_towards(light.position - point.position);
         Ray::segment(from, light.position - from, 0.9999)
     } else {

@@ -16,14 +16,14 @@ pub mod scene;
 mod settings;
 mod timings;
 
-pub use allocator::sampling::{AllocatorKind, Sampling};
 pub use error::RenderError;
-pub use estimator::settings::{EstimationSettings, Estimator, FilterSettings};
 pub use film::FilmBuffers;
-pub use integrator::lvc_settings::{BidirectionalTechniques, LightCacheSettings};
 pub use renderer::{Batch, Renderer, Round};
 pub use run::{Budget, Outcome, Progress, Stop, run};
 pub use scene::PreparedScene;
 pub use scene::bvh::BvhQuality;
+pub use settings::estimation::{EstimationSettings, Estimator, FilterSettings};
+pub use settings::light_cache::{BidirectionalTechniques, LightCacheSettings};
+pub use settings::sampling::{AllocatorKind, Sampling};
 pub use settings::{IntegratorKind, Settings, Techniques};
 pub use timings::{Part, Timings};

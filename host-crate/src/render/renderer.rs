@@ -1,7 +1,6 @@
 //! A render on one device, and its rounds: what it owns, what it can be asked, and how a round goes
 //! from batch to batch.
 
-use super::allocator::sampling::{Sampling, Split};
 use super::allocator::{Allocation, Allocator as _, RoundBuffers, Stream, Streams};
 use super::estimator::{Estimation, FilmSamples, Noise};
 use super::film::control::ControlFilm;
@@ -13,6 +12,7 @@ use super::round::plan::{self, Done, Limits, RoundPlan, plan};
 use super::round::state::{DeviceState, allocate_stream};
 use super::scene::PreparedScene;
 use super::settings::Settings;
+use super::settings::sampling::{Sampling, Split};
 use super::timings::{Part, Timings};
 use crate::exec::device::Device;
 use crate::exec::{Array, ExecError, Executor, kernels};

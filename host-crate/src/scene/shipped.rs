@@ -5,6 +5,7 @@ use super::error::SceneError;
 use super::json::load_from;
 use super::load::{LoadOptions, load_named};
 use super::source::{Disk, Source};
+use raystream_scenes::FILES;
 use std::path::{Component, Path, PathBuf};
 
 /// A scene that ships, called by its name.
@@ -103,25 +104,6 @@ pub fn embedded() -> Result<Scene, SceneError> {
 
 /// Stands for the folder of the built-in files in messages.
 const ROOT: &str = "<built-in scenes>";
-
-macro_rules! built_in {
-    ($($file:literal),* $(,)?) => {
-        /// The files that are part of the program, by their paths below `scenes/`.
-        const FILES: &[(&str, &[u8])] = &[$(($file, include_bytes!(concat!("../../../scenes/", $file)))),*];
-    };
-}
-built_in![
-    "cornell_ball/cornell_ball.json",
-    "cornell_ball/cornell_ball.obj",
-    "cornell_ball/cornell_ball.mtl",
-    "cornell_glass/cornell_glass.json",
-    "opening/opening.json",
-    "opening/opening.obj",
-    "opening/opening.mtl",
-    "caustics/caustics.json",
-    "sibenik/sibenik.json",
-    "conference/conference.json",
-];
 
 /// The files that are part of the program; then those of the disk, relative to the working
 /// directory.

@@ -12,12 +12,11 @@ mod error_scale;
 pub mod paper;
 mod run_table;
 pub mod runs;
-pub mod sampling;
 pub mod uniform;
 
-use self::sampling::{AllocatorKind, Split};
 use self::uniform::{Uniform, Windows};
 use super::film::FilmBuffers;
+use super::settings::sampling::{AllocatorKind, Split};
 use crate::exec::{Array, ExecError, Executor, Launch};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;

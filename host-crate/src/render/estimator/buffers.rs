@@ -1,9 +1,9 @@
 //! What estimators work on, and their launches.
 
-use super::settings::{Estimator, FilterSettings};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
-use crate::render::allocator::sampling::{AllocatorKind, Sampling};
 use crate::render::film::{Band, FilmBuffers};
+use crate::render::settings::estimation::{Estimator, FilterSettings};
+use crate::render::settings::sampling::{AllocatorKind, Sampling};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::bilateral::FilterParams;

@@ -3,13 +3,12 @@
 //! [`EstimateBuffers`] has the launches; [`Estimation`] knows when they are due.
 
 mod buffers;
-pub mod settings;
 
 pub use buffers::{ComingRound, EstimateBuffers, Noise};
 
-use super::allocator::sampling::{AllocatorKind, Sampling};
 use super::round::launches::TimedLaunches;
 use super::round::state::DeviceState;
+use super::settings::sampling::{AllocatorKind, Sampling};
 use super::timings::{Part, Timings};
 use crate::exec::{Array, ExecError, Executor};
 use crate::scene::FilmSize;

@@ -23,22 +23,19 @@
 //! paths are too short to be connected, there is no cache and what is left is the path tracer.
 
 use super::lvc_numbers::{
-    automatic_light_paths, parameters, path_tracing, pilot, slots_that_share,
+    VERTEX_BYTES, automatic_light_paths, parameters, path_tracing, pilot, slots_that_share,
 };
 use super::{Integrator, IntegratorContext, StreamBuffers};
-use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers, halve_until_it_fits, kernels};
+use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits, kernels};
 use crate::render::film::splats::SplatFilm;
-use crate::render::integrator::lvc_settings::TechniqueShares;
+use crate::render::settings::light_cache::TechniqueShares;
 use bytemuck::Zeroable;
 use glam::{UVec4, Vec3};
 use raystream_shaders::integrator::lvc::LvcParams;
 use raystream_shaders::integrator::lvc::cache::{GatherParams, HEADER_ROWS};
-use raystream_shaders::integrator::lvc::light_vertex::ROWS_PER_VERTEX;
 use raystream_shaders::parallel::prefix::BlockParams;
 use std::ops::Range;
 
-/// Bytes of a vertex.
-pub(super) const VERTEX_BYTES: u64 = ROWS_PER_VERTEX as u64 * size_of::<UVec4>() as u64;
 /// Bytes that the vertices of all light paths may take where it is said how many paths there are.
 /// Far more than is of use, and few enough that 32 bits count their rows.
 const MAX_SCRATCH_BYTES: u64 = 4 << 30;
@@ -133,16 +130,6 @@ impl<B> Lvc<B> {
     }
 }
 
-/// The launch that traces the light paths of a round.
-pub(super) fn trace_light_paths<'a, B>(
-    scene: &'a SceneBuffers<B>,
-    parameters: &LvcParams,
-    counts: &'a Array<B, u32>,
-    scratch: &'a Array<B, UVec4>,
-) -> Launch<'a, B> {
-    kernels::trace_light_paths(parameters, scene, counts.view(), scratch.view())
-}
-
 /// Launches that put the vertices of `paths` light paths, of which each has room for
 /// `vertices_per_path` in `scratch` and has as many as `counts` says, close together in `cache`,
 /// see [`raystream_shaders::integrator::lvc::cache`]. `offsets` has an element more than there are
@@ -186,8 +173,12 @@ impl<E: Executor> Integrator<E> for Lvc<E::Buffer> {
             return Vec::new();
         }
         let parameters = LvcParams { threads: self.light_paths, round, ..self.parameters };
-        let mut launches =
-            vec![trace_light_paths(stream.scene, &parameters, &self.counts, &self.scratch)];
+        let mut launches = vec![kernels::trace_light_paths(
+            &parameters,
+            stream.scene,
+            self.counts.view(),
+            self.scratch.view(),
+        )];
         let room = self.parameters.vertices_per_path;
         launches.extend(gather(
             self.light_paths,

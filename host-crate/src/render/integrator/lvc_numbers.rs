@@ -17,13 +17,16 @@
 //!   paths for each sample of a pixel in a round of full length.
 
 use super::IntegratorContext;
-use super::lvc::{VERTEX_BYTES, trace_light_paths};
-use super::lvc_settings::{LightCacheSettings, TechniqueShares};
-use crate::exec::{Array, ExecError, Executor};
+use crate::exec::{Array, ExecError, Executor, kernels};
+use crate::render::settings::light_cache::{LightCacheSettings, TechniqueShares};
 use bytemuck::Zeroable;
+use glam::UVec4;
 use raystream_shaders::integrator::lvc::LvcParams;
+use raystream_shaders::integrator::lvc::light_vertex::ROWS_PER_VERTEX;
 use raystream_shaders::integrator::params::PathParams;
 
+/// Bytes of a vertex.
+pub const VERTEX_BYTES: u64 = ROWS_PER_VERTEX as u64 * size_of::<UVec4>() as u64;
 /// Vertices that the cache holds on average, at most, unless it is said how many light paths to
 /// trace.
 const MAX_VERTICES: f64 = (1 << 20) as f64;
@@ -108,7 +111,12 @@ pub fn pilot<E: Executor>(
         light_segments,
         ..path_tracing(*context.parameters, &context.settings.light_cache)
     };
-    executor.run(&[trace_light_paths(context.scene, &parameters, &counts, &nowhere)])?;
+    executor.run(&[kernels::trace_light_paths(
+        &parameters,
+        context.scene,
+        counts.view(),
+        nowhere.view(),
+    )])?;
     let vertices: u64 = counts.read(executor)?.into_iter().map(u64::from).sum();
     // Where none was found there may be some all the same: a weight of infinity would spoil these.
     Ok(vertices.max(1) as f64 / f64::from(PILOT_PATHS))

@@ -14,7 +14,6 @@
 pub mod first_hits;
 pub mod lvc;
 mod lvc_numbers;
-pub mod lvc_settings;
 pub mod megakernel;
 mod passes;
 pub mod regeneration;

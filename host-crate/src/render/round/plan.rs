@@ -1,6 +1,6 @@
 //! Which round comes next: decided without a device.
 
-use crate::render::allocator::sampling::{AllocatorKind, Sampling};
+use crate::render::settings::sampling::{AllocatorKind, Sampling};
 
 /// What bounds a round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 //!
 //! A [`Bsdf`] is a material at one point of a surface. Integrators know it by [`Bsdf::eval`],
 //! [`Bsdf::pdf`], [`Bsdf::sample`] and [`Bsdf::is_delta`] alone, and never ask which kind it is. A
-//! new kind is a file beside this one and an arm in each `match` here.
+//! new kind is a file beside this one, a [`MaterialKind`], and a case in each of those functions.
 //!
 //! Directions: `incoming` points along the path towards the surface, as the ray that hit it does;
 //! `direction` points away from the surface, where the path goes on. Both have unit length.

@@ -1,7 +1,7 @@
 //! How a render spends its samples.
 
+use super::estimation::{EstimationSettings, Estimator};
 use crate::names::named;
-use crate::render::estimator::settings::{EstimationSettings, Estimator};
 use raystream_shaders::film::stream;
 
 /// How a render spends its samples: a first uniform round, then rounds of what the allocator makes

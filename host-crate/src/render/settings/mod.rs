@@ -1,7 +1,11 @@
 //! What a render computes, and what it measures of itself.
 
-use super::allocator::sampling::Sampling;
-use super::integrator::lvc_settings::LightCacheSettings;
+pub mod estimation;
+pub mod light_cache;
+pub mod sampling;
+
+use self::light_cache::LightCacheSettings;
+use self::sampling::Sampling;
 use super::scene::PreparedScene;
 use super::scene::camera::camera;
 use crate::names::named;
