@@ -1,6 +1,6 @@
 //! Scenes: OBJ, MTL, scene files, textures.
 
-use super::fuzz;
+use super::{as_it_is, correct_checksums, fuzz};
 use raystream::render::{BvhQuality, PreparedScene};
 use raystream::scene::{LoadOptions, SceneError};
 use raystream_tests::scene_folder::{MTL, OBJ};
@@ -169,21 +169,25 @@ fn check(error: &SceneError) {
 fn obj_files_by_chance() {
     let png = picture(image::ImageFormat::Png);
     let seeds = vec![OBJ.into(), LARGER_OBJ.into()];
-    fuzz("obj", seeds, WORDS, |obj| load(&files(PLAIN_SCENE, obj, LARGER_MTL.as_bytes(), &png)));
+    fuzz("obj", seeds, WORDS, as_it_is, |obj| {
+        load(&files(PLAIN_SCENE, obj, LARGER_MTL.as_bytes(), &png))
+    });
 }
 
 #[test]
 fn mtl_files_by_chance() {
     let png = picture(image::ImageFormat::Png);
     let seeds = vec![MTL.into(), LARGER_MTL.into()];
-    fuzz("mtl", seeds, WORDS, |mtl| load(&files(PLAIN_SCENE, LARGER_OBJ.as_bytes(), mtl, &png)));
+    fuzz("mtl", seeds, WORDS, as_it_is, |mtl| {
+        load(&files(PLAIN_SCENE, LARGER_OBJ.as_bytes(), mtl, &png))
+    });
 }
 
 #[test]
 fn scene_files_by_chance() {
     let png = picture(image::ImageFormat::Png);
     let seeds = vec![SCENE.into(), PLAIN_SCENE.into()];
-    fuzz("scene", seeds, JSON_WORDS, |scene| {
+    fuzz("scene", seeds, JSON_WORDS, as_it_is, |scene| {
         let mut files = files("", OBJ.as_bytes(), MTL.as_bytes(), &png);
         files.insert("s.json".into(), scene.to_vec());
         load(&files);
@@ -195,7 +199,7 @@ fn textures_by_chance() {
     use image::ImageFormat::{Bmp, Jpeg, Png, Tga, Tiff};
     let seeds = [Bmp, Jpeg, Png, Tga, Tiff].map(picture).to_vec();
     let words = &["IHDR", "IDAT", "PLTE", "tRNS", "iCCP", "acTL", "BM", "II*\0", "GIF89a", "RIFF"];
-    fuzz("texture", seeds, words, |bytes| {
+    fuzz("texture", seeds, words, correct_checksums, |bytes| {
         let mut files = files(PLAIN_SCENE, LARGER_OBJ.as_bytes(), b"", bytes);
         for name in ["t.png", "t.tga"] {
             let mtl = format!("newmtl textured\nmap_Kd {name}\n");

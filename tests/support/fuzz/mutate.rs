@@ -65,7 +65,7 @@ impl<'a> Mutator<'a> {
     }
 
     /// The input of that number.
-    pub fn input(&mut self, number: u64) -> &[u8] {
+    pub fn input(&mut self, number: u64) -> &mut [u8] {
         // Numbers that lie together must not make random numbers that do.
         let mut rng = Rng::with_seed(number.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ self.seed);
         self.input.clear();
@@ -76,7 +76,7 @@ impl<'a> Mutator<'a> {
             self.change(&mut rng);
         }
         self.input.truncate(LONGEST);
-        &self.input
+        &mut self.input
     }
 
     fn change(&mut self, rng: &mut Rng) {

@@ -34,15 +34,21 @@ fn find(bytes: &[u8], parts: &mut Vec<Samplings>, places: &mut Vec<usize>) -> Op
     let is_multipart = version & 0x1000 != 0;
     let mut at = 8;
     while bytes.get(at).is_some_and(|&first| first != 0) {
-        while let Some(name) = text(bytes, &mut at).filter(|name| !name.is_empty()) {
+        let mut part = Samplings::new();
+        loop {
+            let name = text(bytes, &mut at)?;
+            if name.is_empty() {
+                break;
+            }
             let _kind = text(bytes, &mut at)?;
             let size = usize::try_from(integer(bytes, &mut at)?).ok()?;
             let end = at.checked_add(size)?;
             if name == b"channels" {
-                parts.push(channels(bytes.get(..end)?, at, places)?);
+                part = channels(bytes.get(..end)?, at, places)?;
             }
             at = end;
         }
+        parts.push(part);
         if !is_multipart {
             break;
         }
