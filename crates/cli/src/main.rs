@@ -15,6 +15,8 @@ mod devices;
 mod effects;
 mod ending;
 mod entries;
+#[cfg(test)]
+mod fuzz;
 mod hints;
 mod integrators;
 mod interrupt;

@@ -67,10 +67,7 @@ pub(in crate::image) fn decode_color(path: &Path, bytes: &[u8]) -> Result<Pictur
         remarks.push(format!("has {data}, but shows {display}; those that it has not count as 0"));
     }
     let convert = file.conversion(&mut remarks);
-    let mut planes = Vec::new();
-    for channel in file.channels {
-        planes.push(data.show_in(&display, channel.values));
-    }
+    let planes: Vec<Vec<f32>> = file.channels.into_iter().map(|channel| channel.values).collect();
     let weights = file.primaries.luminance_weights();
     let weights = weights.or(Primaries::REC_709.luminance_weights()).unwrap_or_default();
     let pixel = |index: usize| match (file.colors, planes.as_slice()) {
@@ -83,7 +80,9 @@ pub(in crate::image) fn decode_color(path: &Path, bytes: &[u8]) -> Result<Pictur
         Some(matrix) if color.is_finite() => (matrix * color.as_dvec3()).as_vec3(),
         _ => color,
     };
-    let pixels = (0..display.width * display.height).map(|index| convert(pixel(index))).collect();
+    let pixels = (0..data.width * data.height).map(|index| convert(pixel(index))).collect();
+    drop(planes);
+    let pixels = data.show_in(&display, pixels);
     let (width, height) = (display.width as u32, display.height as u32);
     Ok(Picture { colors: ColorImage { width, height, pixels }, values: Values::Radiance, remarks })
 }

@@ -44,11 +44,11 @@ impl Window {
     }
 
     /// The values of this window, row by row, as those of `display`; 0 where this window has none.
-    pub(super) fn show_in(&self, display: &Self, values: Vec<f32>) -> Vec<f32> {
+    pub(super) fn show_in<T: Copy + Default>(&self, display: &Self, values: Vec<T>) -> Vec<T> {
         if self == display {
             return values;
         }
-        let mut shown = vec![0.0; display.width * display.height];
+        let mut shown = vec![T::default(); display.width * display.height];
         let both = self.overlap(display);
         let first = |window: &Self, row: usize| {
             let y = (both.top - window.top) as usize + row;
