@@ -8,6 +8,7 @@ mod comparing;
 mod convergence;
 mod integrators;
 mod interrupt;
+mod kills;
 mod memory;
 mod options;
 mod outputs;
