@@ -170,7 +170,7 @@ fn obj_files_by_chance() {
     let png = picture(image::ImageFormat::Png);
     let seeds = vec![OBJ.into(), LARGER_OBJ.into()];
     fuzz("obj", seeds, WORDS, as_it_is, |obj| {
-        load(&files(PLAIN_SCENE, obj, LARGER_MTL.as_bytes(), &png))
+        load(&files(PLAIN_SCENE, obj, LARGER_MTL.as_bytes(), &png));
     });
 }
 
@@ -179,7 +179,7 @@ fn mtl_files_by_chance() {
     let png = picture(image::ImageFormat::Png);
     let seeds = vec![MTL.into(), LARGER_MTL.into()];
     fuzz("mtl", seeds, WORDS, as_it_is, |mtl| {
-        load(&files(PLAIN_SCENE, LARGER_OBJ.as_bytes(), mtl, &png))
+        load(&files(PLAIN_SCENE, LARGER_OBJ.as_bytes(), mtl, &png));
     });
 }
 

@@ -25,6 +25,9 @@ const HANGS: Duration = Duration::from_secs(60);
 /// Memory that one thread may take for an input, in bytes.
 const MOST_MEMORY: u64 = 1 << 30;
 
+/// The input that a thread has, and since when.
+type Watched = Mutex<Option<(Instant, Vec<u8>)>>;
+
 /// What is fed with inputs.
 pub struct Target<'a> {
     /// What it is called.
@@ -57,8 +60,7 @@ impl Target<'_> {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let next = AtomicU64::new(0);
         let (started, done) = (Instant::now(), AtomicBool::new(false));
-        let watched: Vec<Mutex<Option<(Instant, Vec<u8>)>>> =
-            (0..threads).map(|_| Mutex::new(None)).collect();
+        let watched: Vec<Watched> = (0..threads).map(|_| Mutex::new(None)).collect();
         for seed in &self.seeds {
             self.check(seed, &watched[0]);
         }
@@ -84,7 +86,8 @@ impl Target<'_> {
                 })
                 .collect();
             scope.spawn(|| self.watch(&watched, &done));
-            let ended: Vec<_> = workers.into_iter().map(|worker| worker.join()).collect();
+            let ended: Vec<_> =
+                workers.into_iter().map(std::thread::ScopedJoinHandle::join).collect();
             done.store(true, Ordering::Relaxed);
             ended.into_iter().for_each(|ended| ended.expect("no input fails"));
         });
@@ -93,7 +96,7 @@ impl Target<'_> {
     }
 
     /// Runs one input.
-    fn check(&self, input: &[u8], watched: &Mutex<Option<(Instant, Vec<u8>)>>) {
+    fn check(&self, input: &[u8], watched: &Watched) {
         let started = Instant::now();
         *watched.lock().expect("no panic here") = Some((started, input.to_vec()));
         let _ = (self.peak_memory)();
@@ -126,7 +129,7 @@ impl Target<'_> {
     }
 
     /// Ends the process if an input hangs, until all are done.
-    fn watch(&self, watched: &[Mutex<Option<(Instant, Vec<u8>)>>], done: &AtomicBool) {
+    fn watch(&self, watched: &[Watched], done: &AtomicBool) {
         while !done.load(Ordering::Relaxed) {
             std::thread::sleep(Duration::from_millis(20));
             for input in watched {

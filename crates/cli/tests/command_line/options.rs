@@ -161,9 +161,8 @@ fn other_commands_say_it_too() {
     let size = "--device cpu --size 4x3";
     says(&format!("bench rays {size} --repetitions 1 --checks 1 --max-depth 2"), "--max-depth");
     says(&format!("bench paths {size} --time 0.01 --connections 1"), "--connections");
-    let convergence = format!(
-        "bench convergence cornell_ball@4x3 --device cpu --spp 1 --repetitions 1 --cache cache -q"
-    );
+    let convergence =
+        "bench convergence cornell_ball@4x3 --device cpu --spp 1 --repetitions 1 --cache c -q";
     says(&format!("{convergence} --allocators uniform --errors relative"), "--errors");
 }
 
