@@ -18,7 +18,7 @@ const INPUTS: &str = "RAYSTREAM_FUZZ_INPUTS";
 const SEED: &str = "RAYSTREAM_FUZZ_SEED";
 /// Inputs of a target unless told otherwise: a second or two.
 const FEW: u64 = 4000;
-/// The longest that an input may keep a thread busy, of those that are no longer than [`mutate::LONGEST`].
+/// The longest that an input may keep a thread busy.
 const MOST_TIME: Duration = Duration::from_secs(2);
 /// The longest that it may take before nothing more is waited for.
 const HANGS: Duration = Duration::from_secs(60);
