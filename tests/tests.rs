@@ -6,6 +6,7 @@ mod allocator;
 mod estimator;
 mod exec;
 mod film;
+mod fuzz;
 mod image;
 mod integrator;
 mod math;

@@ -8,6 +8,7 @@
 
 pub mod devices;
 pub mod executors;
+pub mod fuzz;
 pub mod histogram;
 pub mod large_scenes;
 pub mod materials;

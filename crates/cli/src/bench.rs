@@ -1,6 +1,7 @@
 //! `raystream bench`
 
 use super::convergence::{self, ConvergenceArguments};
+use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
 use super::integrators::{self, IntegratorsArguments};
 use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
@@ -89,22 +90,29 @@ struct CommonArguments {
 const RAYS_SIZE: FilmSize = FilmSize { width: 1920, height: 1080 };
 
 /// Runs a measurement.
-pub fn run(command: &BenchCommand) -> Result<Ending, CliError> {
+pub fn run(command: &BenchCommand, given: &Given) -> Result<Ending, CliError> {
     match command {
-        BenchCommand::Convergence(arguments) => return convergence::run(arguments),
-        BenchCommand::Integrators(arguments) => return integrators::run(arguments),
+        BenchCommand::Convergence(arguments) => return convergence::run(arguments, given),
+        BenchCommand::Integrators(arguments) => return integrators::run(arguments, given),
         BenchCommand::Rays(arguments) => {
-            arguments.common.for_each_scene(Some(RAYS_SIZE), |device, scene, settings| {
-                bench_rays(arguments, device, scene, settings)
-            })
+            let facts = Facts { traces_paths: false, ..Facts::default() };
+            arguments.common.for_each_scene(
+                Some(RAYS_SIZE),
+                given,
+                facts,
+                |device, scene, settings| bench_rays(arguments, device, scene, settings),
+            )
         }
         BenchCommand::Bias(arguments) => {
-            arguments.common.for_each_scene(None, |device, scene, settings| {
+            let samplings = vec![arguments.sampling.sampling()];
+            let facts = Facts { samplings, ..Facts::default() };
+            arguments.common.for_each_scene(None, given, facts, |device, scene, settings| {
                 bench_bias(arguments, device, scene, settings)
             })
         }
         BenchCommand::Paths(arguments) => {
-            arguments.common.for_each_scene(None, |device, scene, settings| {
+            let facts = Facts::default();
+            arguments.common.for_each_scene(None, given, facts, |device, scene, settings| {
                 bench_paths(arguments.time, device, scene, settings)
             })
         }
@@ -116,11 +124,15 @@ impl CommonArguments {
     fn for_each_scene(
         &self,
         size: Option<FilmSize>,
+        given: &Given,
+        facts: Facts,
         measure: impl Fn(&Device, &PreparedScene, &Settings) -> Result<(), CliError>,
     ) -> Result<(), CliError> {
         let device = self.device.open()?;
+        let integrators = vec![self.settings.integrator()];
+        given.warn(&Facts { integrators, on_gpu: Facts::of_device(&device).on_gpu, ..facts });
         for name in &self.scenes {
-            let mut scene = self.settings.load_scene(name)?;
+            let mut scene = self.settings.load_scene(name, false)?;
             scene.film = size.unwrap_or(scene.film);
             let settings = self.settings.settings(&scene);
             print_line(&format!(
@@ -132,7 +144,7 @@ impl CommonArguments {
                 settings.max_depth,
                 device.description()
             ))?;
-            measure(&device, &self.settings.prepare(scene)?, &settings)?;
+            measure(&device, &self.settings.prepare(scene, false)?, &settings)?;
         }
         Ok(())
     }

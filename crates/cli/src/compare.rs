@@ -1,10 +1,11 @@
 //! `raystream compare`
 
+use super::agreement::{self, Verdict};
+use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
-use super::output::{is_same_file, print_line};
+use super::output::{is_same_file, print_line, say};
 use clap::Args;
-use glam::Vec3;
-use raystream::image::{self, ColorImage, ComparisonSettings, Display, ToneMap};
+use raystream::image::{self, Comparison, ComparisonSettings, Display, Picture, ToneMap, Values};
 use std::path::{Path, PathBuf};
 
 /// The options of `raystream compare`.
@@ -25,110 +26,133 @@ pub struct CompareArguments {
     #[arg(long)]
     json: bool,
     /// Also test whether both show the same scene: the samples per pixel of the reference, which
-    /// must be an independent render. The first picture must be an EXR that Raystream wrote, for
-    /// its variance.
+    /// must be an independent render. The first picture must be an EXR that Raystream wrote with
+    /// `--allocator uniform`, for its variance.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     reference_samples: Option<u32>,
 }
 
-/// Blocks for the test of agreement: small enough to find a wrong corner, large enough to average
-/// noise away.
-const BLOCK: [u32; 2] = [40, 30];
-
 /// Compares two pictures.
-pub fn run(arguments: &CompareArguments) -> Result<Ending, CliError> {
+pub fn run(arguments: &CompareArguments, given: &Given) -> Result<Ending, CliError> {
     let CompareArguments { test: test_path, reference: reference_path, .. } = arguments;
     let in_context = |error: image::ImageError| {
         format!("{} and {}: {error}", test_path.display(), reference_path.display())
     };
-    if let Some(path) = &arguments.output {
-        image::check_writable(path)?;
-        if [test_path, reference_path].into_iter().any(|input| is_same_file(input, path)) {
-            return Err(format!(
-                "{}: -o would replace a picture to compare; name another file",
-                path.display()
-            )
-            .into());
-        }
-    }
-    let test = image::read_color(test_path)?;
-    let reference = image::read_color(reference_path)?;
+    check_output(arguments)?;
+    given.warn(&Facts { has_output: arguments.output.is_some(), ..Facts::default() });
+    let (test, reference) =
+        rayon::join(|| image::read_picture(test_path), || image::read_picture(reference_path));
+    let (test, reference) = (test?, reference?);
+    let mut warnings = remarks(test_path, &test);
+    warnings.extend(remarks(reference_path, &reference));
+    warnings.extend(display_values(arguments, &test, &reference));
+    let settings = ComparisonSettings::default();
     let comparison =
-        image::compare(&test, &reference, &ComparisonSettings::default()).map_err(in_context)?;
+        image::compare(&test.colors, &reference.colors, &settings).map_err(in_context)?;
+    let agreement = arguments.reference_samples.map(|samples| {
+        agreement::test([test_path, reference_path], &test.colors, &reference.colors, samples)
+    });
+    let agreement = agreement.transpose()?;
+    warnings.extend(agreement.iter().flat_map(|agreement| agreement.caveats.iter().cloned()));
+    for warning in &warnings {
+        say(&format!("warning: {warning}"));
+    }
     if arguments.json {
-        print_line(&serde_json::to_string_pretty(&comparison)?)?;
+        print_line(&json(&comparison, agreement.as_ref(), &warnings)?)?;
     } else {
-        let ratio =
-            |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.5}"));
-        print_line(&format!("RMSE            {:.6}", comparison.rmse))?;
-        print_line(&format!("relMSE          {:.6}", comparison.relative_mse))?;
-        print_line(&format!(
-            "trimmed relMSE  {:.6}  (without the worst 0.1 % of the pixels)",
-            comparison.trimmed_relative_mse
-        ))?;
-        let rgb = comparison.ratio_rgb.map(ratio);
-        print_line(&format!(
-            "mean            {:.6} / {:.6} = {}  (by component {})",
-            comparison.mean_test,
-            comparison.mean_reference,
-            ratio(comparison.ratio),
-            rgb.join(", ")
-        ))?;
-        if comparison.non_finite_test + comparison.non_finite_reference > 0 {
-            print_line(&format!(
-                "not finite      {} pixels and {}",
-                comparison.non_finite_test, comparison.non_finite_reference
-            ))?;
+        for line in lines(&comparison) {
+            print_line(&line)?;
+        }
+        if let Some(agreement) = &agreement {
+            print_line(&agreement.to_string())?;
         }
     }
     if let Some(path) = &arguments.output {
-        let difference =
-            image::difference(&test, &reference, arguments.gain).map_err(in_context)?;
-        image::write_color(
-            path,
-            &difference,
-            &[],
-            &Display { exposure: 0.0, tone_map: ToneMap::Clip },
-        )?;
-    }
-    if let Some(samples) = arguments.reference_samples {
-        print_agreement(test_path, &test, &reference, f64::from(samples))?;
+        let difference = image::difference(&test.colors, &reference.colors, arguments.gain)
+            .map_err(in_context)?;
+        let display = Display { exposure: 0.0, tone_map: ToneMap::Clip };
+        image::write_color(path, &difference, &[], &display)?;
     }
     Ok(Ending::Done)
 }
 
-fn print_agreement(
-    path: &Path,
-    test: &ColorImage,
-    reference: &ColorImage,
-    samples: f64,
-) -> Result<(), CliError> {
-    let layers = image::read_layers(path)?;
-    let channel = |name: &str| {
-        layers.channel(name).ok_or_else(|| {
-            format!("{}: has no channel {name}; render it with raystream", path.display())
-        })
-    };
-    let [r, g, b] = [channel("variance.R")?, channel("variance.G")?, channel("variance.B")?];
-    let variance: Vec<Vec3> =
-        r.iter().zip(g).zip(b).map(|((&r, &g), &b)| Vec3::new(r, g, b)).collect();
-    let counts = channel("samples.N")?;
-    let own_samples =
-        counts.iter().map(|&n| f64::from(n)).sum::<f64>() / counts.len().max(1) as f64;
-    let result = image::agreement(test, &variance, own_samples / samples, reference, BLOCK)?;
-    print_line(&format!(
-        "agreement       mean {:+.3} %, worst of {} blocks of {}x{} pixels {:.2} standard errors \
-         at ({}, {}), {} fireflies aside",
-        100.0 * (result.mean_ratio - 1.0),
-        result.blocks,
-        BLOCK[0],
-        BLOCK[1],
-        result.worst_block,
-        result.worst_at[0],
-        result.worst_at[1],
-        result.fireflies
-    ))?;
+/// Fails where the difference picture could not be written, or would replace one to compare.
+fn check_output(arguments: &CompareArguments) -> Result<(), CliError> {
+    let Some(path) = &arguments.output else { return Ok(()) };
+    image::check_writable(path)?;
+    if [&arguments.test, &arguments.reference].into_iter().any(|input| is_same_file(input, path)) {
+        return Err(format!(
+            "{}: -o would replace a picture to compare; name another file",
+            path.display()
+        )
+        .into());
+    }
     Ok(())
+}
+
+/// What is to be known of a picture.
+fn remarks(path: &Path, picture: &Picture) -> Vec<String> {
+    picture.remarks.iter().map(|remark| format!("{}: {remark}", path.display())).collect()
+}
+
+/// That one picture has radiances and the other has not.
+fn display_values(
+    arguments: &CompareArguments,
+    test: &Picture,
+    reference: &Picture,
+) -> Option<String> {
+    if test.values == reference.values {
+        return None;
+    }
+    let is_test = test.values == Values::Display;
+    let path = if is_test { &arguments.test } else { &arguments.reference };
+    Some(format!(
+        "{}: a PNG is not radiance: exposure and tone map are in it, and it ends at white; \
+         compare EXR with EXR, or PNG with PNG",
+        path.display()
+    ))
+}
+
+/// Everything as JSON: the numbers of the comparison, those of the test of agreement, warnings.
+fn json(
+    comparison: &Comparison,
+    agreement: Option<&Verdict>,
+    warnings: &[String],
+) -> Result<String, CliError> {
+    let mut all = serde_json::to_value(comparison)?;
+    if let Some(agreement) = agreement {
+        all["agreement"] = agreement.json()?;
+    }
+    all["warnings"] = warnings.into();
+    Ok(serde_json::to_string_pretty(&all)?)
+}
+
+/// A comparison in lines for people.
+fn lines(comparison: &Comparison) -> Vec<String> {
+    let ratio =
+        |ratio: Option<f64>| ratio.map_or_else(|| "-".into(), |ratio| format!("{ratio:.5}"));
+    let mut lines = vec![
+        format!("RMSE            {:.6}", comparison.rmse),
+        format!("relMSE          {:.6}", comparison.relative_mse),
+        format!(
+            "trimmed relMSE  {:.6}  (without the worst 0.1 % of the pixels)",
+            comparison.trimmed_relative_mse
+        ),
+        format!(
+            "mean            {:.6} / {:.6} = {}  (by component {})",
+            comparison.mean_test,
+            comparison.mean_reference,
+            ratio(comparison.ratio),
+            comparison.ratio_rgb.map(ratio).join(", ")
+        ),
+    ];
+    if comparison.non_finite_test + comparison.non_finite_reference > 0 {
+        lines.push(format!(
+            "not finite      {} pixels and {}",
+            comparison.non_finite_test, comparison.non_finite_reference
+        ));
+    }
+    lines
 }
 
 fn parse_gain(text: &str) -> Result<f32, String> {

@@ -1,6 +1,7 @@
 //! `raystream bench convergence`
 
 use super::choices::choice;
+use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
 use super::entries::{self, Entry, Loaded, parse_entry};
 use super::options::{DeviceArguments, SettingsArguments};
@@ -9,7 +10,9 @@ use super::progress::ProgressDisplay;
 use super::sampling::{EstimationArguments, RoundArguments};
 use clap::{Args, ValueEnum};
 use raystream::exec::device::Device;
-use raystream::render::{AllocatorKind, Estimator, IntegratorKind, PreparedScene, Settings};
+use raystream::render::{
+    AllocatorKind, Estimator, IntegratorKind, PreparedScene, Sampling, Settings,
+};
 use raystream::scene::Scene;
 use raystream_bench::convergence::{
     Configuration, Identity, Plan, REFERENCE_SEEDS, Reference, checkpoints, measure, write_scene,
@@ -135,13 +138,14 @@ enum ErrorMeasure {
 }
 
 /// Measures all scenes.
-pub fn run(arguments: &ConvergenceArguments) -> Result<Ending, CliError> {
+pub fn run(arguments: &ConvergenceArguments, given: &Given) -> Result<Ending, CliError> {
     let levels = arguments.levels()?;
     arguments.check_seed()?;
-    let scenes = entries::load(&arguments.scenes, &arguments.settings)?;
+    let scenes = entries::load(&arguments.scenes, &arguments.settings, arguments.quiet)?;
     let cache = Folder::create(&arguments.cache_folder()?)?;
     let output = Folder::create(&arguments.output)?;
     let device = arguments.device.open()?;
+    given.warn(&arguments.facts(&device));
     let plan = Plan {
         configurations: arguments.configurations(),
         base: arguments.rounds.sampling(&arguments.estimation),
@@ -217,6 +221,26 @@ impl ConvergenceArguments {
         self.reference_integrator.unwrap_or(self.settings.integrator())
     }
 
+    /// What its options depend on.
+    fn facts(&self, device: &Device) -> Facts {
+        let mut integrators = self.integrators();
+        integrators.push(self.reference_integrator());
+        let combinations = self.allocators.iter().flat_map(|&allocator| {
+            self.estimators.iter().map(move |&estimator| (allocator, estimator))
+        });
+        let samplings = combinations.map(|(allocator, estimator)| Sampling {
+            allocator,
+            estimator,
+            ..Sampling::UNIFORM
+        });
+        Facts {
+            integrators,
+            samplings: samplings.collect(),
+            uses_integrator: self.integrators.is_empty() || self.reference_integrator.is_none(),
+            ..Facts::of_device(device)
+        }
+    }
+
     fn cache_folder(&self) -> Result<PathBuf, String> {
         use etcetera::BaseStrategy;
         match &self.cache {
@@ -254,7 +278,7 @@ impl ConvergenceArguments {
         let samples = self.reference_spp.unwrap_or(REFERENCE_FACTOR as u32 * self.spp);
         let reference_settings = Reference::settings(&settings, self.reference_integrator());
         let identity = Identity::new(&scene, &reference_settings, samples);
-        let prepared = self.settings.prepare(scene)?;
+        let prepared = self.settings.prepare(scene, self.quiet)?;
         let path = cache.file(&format!("{label}-{samples}spp-{}.exr", identity.short()));
         let reference =
             self.reference(device, &prepared, &reference_settings, samples, &identity, &path)?;

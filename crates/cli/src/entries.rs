@@ -28,10 +28,14 @@ pub struct Loaded {
 }
 
 /// Loads all scenes.
-pub fn load(entries: &[Entry], arguments: &SettingsArguments) -> Result<Vec<Loaded>, CliError> {
+pub fn load(
+    entries: &[Entry],
+    arguments: &SettingsArguments,
+    quiet: bool,
+) -> Result<Vec<Loaded>, CliError> {
     let mut scenes: Vec<Loaded> = Vec::new();
     for entry in entries {
-        let mut scene = arguments.load_scene(&entry.scene)?;
+        let mut scene = arguments.load_scene(&entry.scene, quiet)?;
         let settings = arguments.settings(&scene);
         let settings = Settings { size: entry.size.unwrap_or(settings.size), ..settings };
         scene.film = settings.size;

@@ -1,6 +1,7 @@
 //! `raystream bench integrators`
 
 use super::choices::choice;
+use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
 use super::entries::{self, Entry, Loaded, parse_entry};
 use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
@@ -64,10 +65,12 @@ pub struct IntegratorsArguments {
 }
 
 /// Measures all scenes.
-pub fn run(arguments: &IntegratorsArguments) -> Result<Ending, CliError> {
-    let scenes = entries::load(&arguments.scenes, &arguments.settings)?;
+pub fn run(arguments: &IntegratorsArguments, given: &Given) -> Result<Ending, CliError> {
+    let scenes = entries::load(&arguments.scenes, &arguments.settings, arguments.quiet)?;
     let output = Folder::create(&arguments.output)?;
     let device = arguments.device.open()?;
+    let integrators = arguments.integrators(arguments.settings.integrator());
+    given.warn(&Facts { integrators, ..Facts::of_device(&device) });
     let path = entries::report(&introduction(), scenes, &output, |loaded| {
         arguments.bench(&device, loaded, &output)
     })?;
@@ -146,7 +149,7 @@ impl IntegratorsArguments {
             repetitions: self.repetitions,
             stream: self.stream,
         };
-        let prepared = self.settings.prepare(scene)?;
+        let prepared = self.settings.prepare(scene, self.quiet)?;
         let measured = measure(device, &prepared, &settings, &plan, &mut |line| {
             self.tell(&format!("    {line}"));
         })?;

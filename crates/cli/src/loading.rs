@@ -1,6 +1,7 @@
 //! How commands load scenes.
 
 use super::output::say;
+use super::progress::Waiting;
 use clap::Args;
 use raystream::scene::{LoadOptions, Scene, SceneError, shipped};
 use std::path::Path;
@@ -17,14 +18,16 @@ pub struct LoadArguments {
 
 impl LoadArguments {
     /// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; `-`
-    /// is standard input. Prints its warnings.
-    pub fn load_scene(&self, name: &Path) -> Result<Scene, SceneError> {
+    /// is standard input. Prints its warnings and, unless `quiet`, that it takes long.
+    pub fn load_scene(&self, name: &Path, quiet: bool) -> Result<Scene, SceneError> {
         let options = LoadOptions { max_memory: (self.max_memory * GIB) as u64 };
+        let waiting = Waiting::start(quiet, format!("loading {}", name.display()));
         let scene = match name.to_str() {
             Some("-") => options.read(&mut std::io::stdin().lock(), "<standard input>")?,
             Some(text) if is_name(text, name) => options.load_named(text)?,
             _ => options.load(name)?,
         };
+        drop(waiting);
         for warning in &scene.warnings {
             say(&format!("warning: {warning}"));
         }

@@ -6,15 +6,20 @@
     reason = "they panic where the reader has gone away, as in `| head`"
 )]
 
+mod agreement;
 mod bench;
 mod choices;
 mod compare;
 mod convergence;
 mod devices;
+mod effects;
 mod ending;
 mod entries;
+#[cfg(test)]
+mod fuzz;
 mod hints;
 mod integrators;
+mod interrupt;
 mod loading;
 mod options;
 mod output;
@@ -23,8 +28,9 @@ mod render;
 mod sampling;
 mod scenes;
 
-use self::ending::{Ending, FAILED, INTERRUPTED};
-use clap::{Parser, Subcommand};
+use self::effects::Given;
+use self::ending::{CliError, Ending, FAILED, INTERRUPTED};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// An adaptive path tracer whose kernels are written once, in Rust, and run on the GPU and on the
@@ -37,6 +43,14 @@ struct Arguments {
     /// Say more: -v what happens, -vv what the libraries say.
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
+    /// Threads of the CPU to use [default: one for each core].
+    #[arg(
+        long,
+        global = true,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=4096)
+    )]
+    threads: Option<u32>,
 }
 
 #[derive(Subcommand)]
@@ -56,23 +70,34 @@ enum Command {
 
 fn main() -> ExitCode {
     silence_device_selection();
-    let arguments = Arguments::parse();
+    let matches = Arguments::command().get_matches();
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     start_logging(arguments.verbose);
     report_panics();
-    let result = match arguments.command {
-        Command::Render(arguments) => render::run(&arguments),
-        Command::Compare(arguments) => compare::run(&arguments),
-        Command::Devices(arguments) => devices::run(&arguments),
-        Command::Scenes => scenes::run(),
-        Command::Bench(command) => bench::run(&command),
-    };
-    match result {
+    match run(&arguments, &Given::of(&matches)) {
         Ok(Ending::Done) => ExitCode::SUCCESS,
         Ok(Ending::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
             output::say(&format!("error: {}", hints::with_hint(error.as_ref())));
             ExitCode::from(FAILED)
         }
+    }
+}
+
+fn run(arguments: &Arguments, given: &Given) -> Result<Ending, CliError> {
+    if let Some(threads) = arguments.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
+        pool.build_global().map_err(|error| {
+            format!("--threads {threads}: cannot be started: {error}; give a smaller number")
+        })?;
+    }
+    interrupt::catch()?;
+    match &arguments.command {
+        Command::Render(arguments) => render::run(arguments, given),
+        Command::Compare(arguments) => compare::run(arguments, given),
+        Command::Devices(arguments) => devices::run(arguments),
+        Command::Scenes => scenes::run(),
+        Command::Bench(command) => bench::run(command, given),
     }
 }
 

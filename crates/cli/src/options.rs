@@ -2,6 +2,7 @@
 
 use super::choices::choice;
 use super::loading::LoadArguments;
+use super::progress::Waiting;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use raystream::exec::ExecError;
@@ -14,7 +15,7 @@ use raystream::scene::{FilmSize, Scene, SceneError};
 use raystream_shaders::integrator::lvc::MAX_CONNECTIONS;
 use raystream_shaders::scene::ray::OFFSET_ROUNDINGS;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The options that choose a device.
 #[derive(Args)]
@@ -64,7 +65,7 @@ pub struct SettingsArguments {
     /// Picture size in pixels [default: the scene's].
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<FilmSize>,
-    /// Renders with different seeds are independent of each other.
+    /// Renders with different seeds, from 0 to 4294967295, are independent of each other.
     #[arg(long, default_value_t = 0)]
     seed: u32,
     /// Where random numbers come from.
@@ -141,8 +142,8 @@ impl SettingsArguments {
     }
 
     /// Loads a scene; see [`LoadArguments::load_scene`].
-    pub fn load_scene(&self, name: &Path) -> Result<Scene, SceneError> {
-        self.load.load_scene(name)
+    pub fn load_scene(&self, name: &Path, quiet: bool) -> Result<Scene, SceneError> {
+        self.load.load_scene(name, quiet)
     }
 
     /// The settings for `scene`.
@@ -170,9 +171,14 @@ impl SettingsArguments {
         }
     }
 
-    /// Builds the scene's BVH and lights.
-    pub fn prepare(&self, scene: Scene) -> Result<PreparedScene, RenderError> {
-        PreparedScene::new(&scene, self.bvh)
+    /// Builds the scene's BVH and lights, and says so if that takes long, unless `quiet`.
+    pub fn prepare(&self, scene: Scene, quiet: bool) -> Result<PreparedScene, RenderError> {
+        let what = format!("building the hierarchy of {} triangles", scene.triangle_count());
+        let started = Instant::now();
+        let _waiting = Waiting::start(quiet, what);
+        let prepared = PreparedScene::new(&scene, self.bvh);
+        tracing::debug!("built the hierarchy in {:.2} s", started.elapsed().as_secs_f64());
+        prepared
     }
 
     /// The settings as pairs of name and value, for a picture's header.

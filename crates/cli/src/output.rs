@@ -1,5 +1,6 @@
 //! Text for people.
 
+use raystream::image::written_file;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -18,9 +19,12 @@ pub fn say(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Whether two paths lead to one file, links followed where it exists.
+/// Whether two paths lead to one file, links followed.
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
-    let resolved = |path: &Path| path.canonicalize().or_else(|_| std::path::absolute(path)).ok();
+    let resolved = |path: &Path| {
+        let written = written_file(path).or_else(|| std::path::absolute(path).ok());
+        path.canonicalize().ok().or(written)
+    };
     a == b || resolved(a).is_some_and(|a| resolved(b) == Some(a))
 }
 

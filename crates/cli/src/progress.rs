@@ -1,13 +1,16 @@
-//! How far a render is: a bar on a terminal, plain lines elsewhere.
+//! How far a render is, and what goes before it: a bar on a terminal, plain lines elsewhere.
 
 use super::output::{rate, say};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use raystream::render::Progress;
 use std::io::IsTerminal;
-use std::time::Duration;
+use std::sync::mpsc::{RecvTimeoutError, Sender};
+use std::time::{Duration, Instant};
 
 /// How often a plain line is printed.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
+/// How often what waits is drawn on a terminal.
+const TICK: Duration = Duration::from_millis(100);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
@@ -44,6 +47,48 @@ impl ProgressDisplay {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+/// Says that something takes long whose end cannot be told, until it is dropped.
+pub struct Waiting {
+    bar: Option<ProgressBar>,
+    /// Ends the thread that prints plain lines when it is dropped.
+    lines: Option<Sender<()>>,
+}
+
+impl Waiting {
+    /// Says `what` is under way: at once on a terminal, every few seconds elsewhere, never if
+    /// `quiet`.
+    pub fn start(quiet: bool, what: String) -> Self {
+        if quiet {
+            return Self { bar: None, lines: None };
+        }
+        if std::io::stderr().is_terminal() {
+            let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
+                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+                .with_message(what);
+            bar.enable_steady_tick(TICK);
+            return Self { bar: Some(bar), lines: None };
+        }
+        let (lines, ended) = std::sync::mpsc::channel();
+        let started = Instant::now();
+        std::thread::spawn(move || {
+            while ended.recv_timeout(LINE_INTERVAL) == Err(RecvTimeoutError::Timeout) {
+                say(&format!("{what}, {:.0} s so far", started.elapsed().as_secs_f64()));
+            }
+        });
+        Self { bar: None, lines: Some(lines) }
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+        drop(self.lines.take());
     }
 }
 

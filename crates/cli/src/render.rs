@@ -1,8 +1,10 @@
 //! `raystream render`
 
 use super::choices::choice;
-use super::ending::{CliError, Ending, INTERRUPTED};
+use super::effects::{Facts, Given};
+use super::ending::{CliError, Ending};
 use super::hints::with_hint;
+use super::interrupt;
 use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
 use super::output::{self, is_same_file, rate};
 use super::progress::ProgressDisplay;
@@ -19,9 +21,7 @@ use raystream::render::{
 use raystream::scene::DEFAULT_SCENE;
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The options of `raystream render`.
 #[derive(Args)]
@@ -82,14 +82,20 @@ const BLACK: &str = "the picture is black: no path met light that shines towards
     turned away, or behind a wall, or the camera may be enclosed.";
 
 /// Renders a scene and writes the pictures.
-pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
-    let interrupted = catch_interrupt()?;
-    let scene = arguments.settings.load_scene(&arguments.scene)?;
+pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliError> {
+    interrupt::begin_render();
+    let scene = arguments.settings.load_scene(&arguments.scene, arguments.quiet)?;
     let outputs = arguments.outputs(&scene.name);
     check_outputs(&outputs, arguments.png_layers)?;
     let device = arguments.device.open()?;
     let mut settings =
         Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
+    given.warn(&Facts {
+        integrators: vec![settings.integrator],
+        samplings: vec![settings.sampling],
+        writes_png: outputs.iter().any(|path| is_png(path)),
+        ..Facts::of_device(&device)
+    });
     arguments.say(&format!(
         "{}: {} triangles, {}x{} pixels, on {}",
         scene.name,
@@ -99,15 +105,12 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
         device.description()
     ));
     let name = scene.name.clone();
-    let started = Instant::now();
-    let prepared = arguments.settings.prepare(scene)?;
-    tracing::debug!("built the BVH in {:.2} s", started.elapsed().as_secs_f64());
+    let prepared = arguments.settings.prepare(scene, arguments.quiet)?;
 
     let budget = arguments.budget(&settings);
     arguments.fall_back_on_large_films(&device, &mut settings);
     let mut display = ProgressDisplay::new(arguments.quiet);
-    let (film, outcome) =
-        render_film(&device, &prepared, &settings, budget, &interrupted, &mut display)?;
+    let (film, outcome) = render_film(&device, &prepared, &settings, budget, &mut display)?;
     arguments.say(&summary(&outcome, &film));
     for line in shortcomings(&outcome, &film, settings.sampling.noise) {
         output::say(&line);
@@ -204,14 +207,13 @@ fn render_film(
     scene: &PreparedScene,
     settings: &Settings,
     budget: Budget,
-    interrupted: &AtomicBool,
     display: &mut ProgressDisplay,
 ) -> Result<(Film, Outcome), RenderError> {
     let mut renderer = Renderer::new(device, scene, settings)?;
-    let outcome =
-        render(&mut renderer, budget, &|| interrupted.load(Ordering::Relaxed), &mut |progress| {
-            display.show(progress);
-        });
+    let outcome = render(&mut renderer, budget, &interrupt::is_interrupted, &mut |progress| {
+        interrupt::has_picture();
+        display.show(progress);
+    });
     display.finish();
     renderer.finish_features()?;
     Ok((renderer.film()?, outcome?))
@@ -274,22 +276,6 @@ fn stop_name(stop: Stop) -> &'static str {
 /// Samples per pixel; an average, to two digits after the point.
 fn average_samples(outcome: &Outcome, film: &Film) -> f64 {
     (outcome.paths as f64 / film.radiance.len() as f64 * 100.0).round() / 100.0
-}
-
-/// A flag that the first Ctrl-C (or SIGTERM) sets; the second ends the program at once.
-fn catch_interrupt() -> Result<Arc<AtomicBool>, CliError> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            image::discard_unfinished();
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-        output::say(
-            "interrupted: finishing what is under way and writing the picture; again to stop at once",
-        );
-    })?;
-    Ok(interrupted)
 }
 
 /// Fails where a render's pictures could not be written, or one would replace another.

@@ -5,7 +5,8 @@ use super::{Access, ExecError, Executor, Launch, Limits};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
-/// Runs kernels on all the processor's cores.
+/// Runs kernels on the threads of rayon: those of its global pool, one for each core unless you
+/// build it otherwise, or of the pool in which a render is called (`rayon::ThreadPool::install`).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CpuExecutor;
 

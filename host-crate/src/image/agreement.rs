@@ -2,6 +2,8 @@
 
 use super::{ColorImage, ImageError};
 use glam::{DVec3, Vec3};
+use serde::Serialize;
+use std::f64::consts::TAU;
 
 /// Share of the pixels, the worst ones, that are left out as fireflies: a rare bright path that
 /// only one of the pictures has found says nothing of the rest, and its pixel's variance is not
@@ -9,7 +11,7 @@ use glam::{DVec3, Vec3};
 const FIREFLIES: f64 = 0.001;
 
 /// How far a render is from another.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Agreement {
     /// Ratio of the means over all pixels and components, test by reference, fireflies included.
     pub mean_ratio: f64,
@@ -20,8 +22,41 @@ pub struct Agreement {
     pub worst_at: [u32; 2],
     /// Blocks that were compared.
     pub blocks: usize,
+    /// Standard errors that the worst block of two renders of one scene is beyond in one of a
+    /// thousand comparisons.
+    pub limit: f64,
+    /// Pixels whose variance is not known: they have fewer than two samples.
+    pub unknown: usize,
     /// Pixels left out as fireflies.
     pub fireflies: usize,
+}
+
+/// How often two renders of one scene are beyond the limit of [`Agreement`] by chance.
+const FALSE_ALARMS: f64 = 1e-3;
+
+impl Agreement {
+    /// Whether the pictures differ by no more than noise makes renders of one scene differ; none
+    /// where too many variances are not known to say so.
+    pub fn is_same_scene(&self) -> Option<bool> {
+        if self.unknown > self.fireflies {
+            return None;
+        }
+        Some(self.worst_block <= self.limit)
+    }
+}
+
+/// Standard errors that one of `count` normal variables is beyond with a probability of at most
+/// [`FALSE_ALARMS`]: by the bound e^(-z^2 / 2) / (z sqrt(2 pi)) of each tail.
+fn limit(count: usize) -> f64 {
+    let each = FALSE_ALARMS / (2.0 * count.max(1) as f64);
+    let tail = |z: f64| (-0.5 * z * z).exp() / (z * TAU.sqrt());
+    // Halves the interval that the limit lies in until nothing is left of it.
+    let (mut low, mut high) = (1.0, 40.0);
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        if tail(middle) > each { low = middle } else { high = middle }
+    }
+    high
 }
 
 /// Compares `test` with an independent `reference` by blocks of `block` (width, height) pixels;
@@ -58,6 +93,8 @@ pub fn agreement(
         worst_block: 0.0,
         worst_at: [0, 0],
         blocks: 0,
+        limit: 0.0,
+        unknown: variance.iter().filter(|variance| !variance.is_finite()).count(),
         fireflies: is_firefly.iter().filter(|&&is| is).count(),
     };
     for top in (0..test.height).step_by(block[1].max(1) as usize) {
@@ -77,6 +114,7 @@ pub fn agreement(
             result.blocks += 1;
         }
     }
+    result.limit = limit(3 * result.blocks);
     Ok(result)
 }
 
@@ -147,5 +185,20 @@ mod tests {
         // fireflies take away.
         assert!((9.5..10.5).contains(&differs.worst_block), "{differs:?}");
         assert_eq!(differs.worst_at, [30, 40]);
+        assert_eq!((same.is_same_scene(), differs.is_same_scene()), (Some(true), Some(false)));
+
+        let mut unknown = variance;
+        unknown[..3].fill(Vec3::INFINITY);
+        let unsure = agreement(&shifted, &unknown, 1.0, &reference, [10, 10]).unwrap();
+        assert_eq!((unsure.unknown, unsure.is_same_scene()), (3, None));
+    }
+
+    /// Quantiles of the normal distribution from tables, which the bound is a little above.
+    #[test]
+    fn limits_are_quantiles() {
+        for (count, quantile) in [(1, 3.2905), (10, 3.8906), (100, 4.4172), (1000, 4.8916)] {
+            let limit = limit(count);
+            assert!(limit > quantile && limit < quantile + 0.03, "{count}: {limit}");
+        }
     }
 }

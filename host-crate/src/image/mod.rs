@@ -12,16 +12,11 @@ mod color;
 mod compare;
 mod difference;
 mod error;
-#[cfg(feature = "exr")]
-mod exr_read;
-#[cfg(feature = "exr")]
-mod exr_select;
-#[cfg(feature = "exr")]
-mod exr_write;
 mod format;
-#[cfg(feature = "exr")]
-mod guard;
 mod layers;
+#[cfg(feature = "exr")]
+mod openexr;
+mod picture;
 mod png;
 mod read;
 mod replace;
@@ -32,14 +27,13 @@ pub use color::ColorImage;
 pub use compare::{BlockComparison, Comparison, ComparisonSettings, compare, trimmed_mean};
 pub use difference::difference;
 pub use error::ImageError;
-#[cfg(feature = "exr")]
-pub use exr_read::{read_layers, read_settings};
-#[cfg(feature = "exr")]
-pub use exr_write::write_layers;
 pub use format::Format;
 pub use layers::{Channel, LayeredImage, check_film};
+#[cfg(feature = "exr")]
+pub use openexr::{read_layers, read_settings, write_layers};
+pub use picture::{Picture, Values, decode_picture, read_color, read_picture};
 pub use png::{write_png, write_rgb8};
-pub use replace::{check_writable, discard_unfinished, replace_file};
+pub use replace::{check_writable, discard_unfinished, replace_file, written_file};
 pub use tone::{Display, ToneMap};
 
 use crate::film::Film;
@@ -89,23 +83,5 @@ pub fn write_color(
         #[cfg(feature = "exr")]
         Format::Exr => write_layers(path, &LayeredImage::from_color(image), settings),
         Format::Png => write_png(path, image, display),
-    }
-}
-
-/// Reads the colours of a picture of any tool, linear as they stand in an `.exr`, decoded from sRGB
-/// of a `.png`.
-///
-/// Of an EXR file it takes the channels R, G, B, or else those of a layer (`layer.R` ...),
-/// preferring one that is named as the picture usually is (`color`, `beauty`, `combined` ...);
-/// half, float or integer, scan lines or tiles. The picture is the data window. Transparency is
-/// ignored.
-///
-/// # Errors
-/// [`ImageError`] if the file cannot be read, is broken, or holds no such channels.
-pub fn read_color(path: &Path) -> Result<ColorImage, ImageError> {
-    match Format::of(path)? {
-        #[cfg(feature = "exr")]
-        Format::Exr => exr_read::read_color(path),
-        Format::Png => png::read_color(path),
     }
 }

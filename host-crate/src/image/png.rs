@@ -1,8 +1,7 @@
 //! PNG files.
 
-use super::read::read_file;
 use super::replace::replace_file;
-use super::{ColorImage, Display, ImageError};
+use super::{ColorImage, Display, ImageError, Picture, Values};
 use crate::color::srgb_decode;
 use glam::Vec3;
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
@@ -34,10 +33,9 @@ pub fn write_rgb8(path: &Path, width: u32, height: u32, bytes: &[u8]) -> Result<
     replace_file(path, &png)
 }
 
-/// See [`super::read_color`].
-pub(super) fn read_color(path: &Path) -> Result<ColorImage, ImageError> {
-    let bytes = read_file(path)?;
-    let image = decode(&bytes).map_err(|e| match e {
+/// See [`super::decode_picture`].
+pub(super) fn decode_color(path: &Path, bytes: &[u8]) -> Result<Picture, ImageError> {
+    let image = decode(bytes).map_err(|e| match e {
         image::ImageError::Unsupported(e) => {
             ImageError::Unsupported { path: path.to_owned(), reason: e.to_string() }
         }
@@ -49,7 +47,8 @@ pub(super) fn read_color(path: &Path) -> Result<ColorImage, ImageError> {
         .pixels()
         .map(|p| Vec3::from_array(p.0.map(|encoded| srgb_decode(f64::from(encoded)) as f32)))
         .collect();
-    Ok(ColorImage { width, height, pixels })
+    let colors = ColorImage { width, height, pixels };
+    Ok(Picture { colors, values: Values::Display, remarks: Vec::new() })
 }
 
 fn decode(bytes: &[u8]) -> image::ImageResult<DynamicImage> {

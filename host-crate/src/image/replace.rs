@@ -3,7 +3,7 @@
 use super::{Format, ImageError};
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -34,14 +34,7 @@ fn replace_file_with(
     write: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> Result<(), ImageError> {
     let target = Target::of(path)?;
-    let error = |e| ImageError::from_write(path, &target.folder, e);
-    // Removed again when dropped.
-    let (_listed, mut temporary) = target.temporary_file().map_err(error)?;
-    write(temporary.as_file_mut()).map_err(error)?;
-    // A disk may notice only now that it is full, and a rename must not outrun the contents.
-    temporary.as_file().sync_all().map_err(error)?;
-    temporary.persist(&target.file).map_err(|e| error(e.error))?;
-    Ok(())
+    target.replace(write).map_err(|e| ImageError::from_write(path, &target.folder, e))
 }
 
 /// Temporary files that are being written.
@@ -98,7 +91,7 @@ impl Target {
             Some(_) => {
                 path.canonicalize().map_err(|e| ImageError::from_write(path, parent(path), e))?
             }
-            None => path.to_owned(),
+            None => followed(path),
         };
         let folder = parent(&file).to_owned();
         if !folder.is_dir() {
@@ -107,28 +100,116 @@ impl Target {
         Ok(Target { file, folder, permissions: existing.map(|m| m.permissions()) })
     }
 
-    /// An empty file in the target's folder, with the permissions that the target has or, if it is
-    /// new, that any program's new file would have.
-    fn temporary_file(&self) -> io::Result<(Listed, tempfile::NamedTempFile)> {
+    /// Puts what `write` writes in the place of the file. Where the system can, what is being
+    /// written has no name before it is whole, so that nothing is left of it even where the process
+    /// is killed.
+    fn replace(&self, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+        let Some(mut nameless) = nameless_file(&self.folder) else {
+            return self.rename(&mut self.named_file(tempfile_at)?, write);
+        };
+        self.fill(&mut nameless, write)?;
+        match self.named_file(|path| name_file(&nameless, path)) {
+            Ok(mut named) => self.rename(&mut named, |_| Ok(())),
+            // A file system that cannot give names later.
+            Err(_) => self.rename(&mut self.named_file(tempfile_at)?, |file| {
+                nameless.seek(io::SeekFrom::Start(0))?;
+                io::copy(&mut nameless, file).map(|_| ())
+            }),
+        }
+    }
+
+    /// Writes a file to its end, with the permissions that the target has or, if it is new, that it
+    /// was made with.
+    fn fill(
+        &self,
+        file: &mut File,
+        write: impl FnOnce(&mut File) -> io::Result<()>,
+    ) -> io::Result<()> {
+        if let Some(permissions) = &self.permissions {
+            file.set_permissions(permissions.clone())?;
+        }
+        write(file)?;
+        // A disk may notice only now that it is full, and a rename must not outrun the contents.
+        file.sync_all()
+    }
+
+    /// Fills a file beside the target and gives it the target's name.
+    fn rename(
+        &self,
+        (_listed, temporary): &mut (Listed, tempfile::NamedTempFile),
+        write: impl FnOnce(&mut File) -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.fill(temporary.as_file_mut(), write)?;
+        fs::rename(temporary.path(), &self.file)
+    }
+
+    /// A file with a name of its own in the target's folder, which `make` makes; removed when it is
+    /// dropped.
+    fn named_file(
+        &self,
+        make: impl FnMut(&Path) -> io::Result<File>,
+    ) -> io::Result<(Listed, tempfile::NamedTempFile)> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".raystream-").suffix(".tmp");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // The system takes the umask off.
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
         // Held, so that no file is made and not yet listed when the process ends.
         let mut unfinished = unfinished();
-        let temporary = builder.tempfile_in(&self.folder)?;
+        let temporary = builder.make_in(&self.folder, make)?;
         unfinished.insert(temporary.path().to_owned());
         drop(unfinished);
-        let listed = Listed(temporary.path().to_owned());
-        if let Some(permissions) = &self.permissions {
-            temporary.as_file().set_permissions(permissions.clone())?;
-        }
-        Ok((listed, temporary))
+        Ok((Listed(temporary.path().to_owned()), temporary))
     }
+}
+
+/// A new file, with the permissions that any program's would have.
+fn tempfile_at(path: &Path) -> io::Result<File> {
+    File::options().read(true).write(true).create_new(true).open(path)
+}
+
+/// A file in `folder` without a name, which is gone when it is closed; where the system has such.
+#[cfg(target_os = "linux")]
+fn nameless_file(folder: &Path) -> Option<File> {
+    use rustix::fs::{Mode, OFlags};
+    let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
+    // The system takes the umask off.
+    rustix::fs::open(folder, flags, Mode::from_raw_mode(0o666)).ok().map(File::from)
+}
+
+/// Names a file that [`nameless_file`] made.
+#[cfg(target_os = "linux")]
+fn name_file(file: &File, path: &Path) -> io::Result<File> {
+    use rustix::fs::{AtFlags, CWD, linkat};
+    use std::os::fd::AsRawFd;
+    let descriptor = format!("/proc/self/fd/{}", file.as_raw_fd());
+    linkat(CWD, descriptor, CWD, path, AtFlags::SYMLINK_FOLLOW)?;
+    file.try_clone()
+}
+
+/// None: every file has a name.
+#[cfg(not(target_os = "linux"))]
+fn nameless_file(_folder: &Path) -> Option<File> {
+    None
+}
+
+/// Never called: every file has a name.
+#[cfg(not(target_os = "linux"))]
+fn name_file(_file: &File, _path: &Path) -> io::Result<File> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+/// The file that writing to `path` creates or replaces, symbolic links followed: two paths that lead
+/// to one file have one answer. Nothing where its folder does not exist.
+pub fn written_file(path: &Path) -> Option<PathBuf> {
+    let file = followed(path);
+    Some(parent(&file).canonicalize().ok()?.join(file.file_name()?))
+}
+
+/// Where a path leads by symbolic links, of which the last may lead to a file that is not there.
+fn followed(path: &Path) -> PathBuf {
+    /// As many as Linux follows; the system has already refused links in a circle.
+    const MOST: usize = 40;
+    let next = |path: &PathBuf| Some(parent(path).join(fs::read_link(path).ok()?));
+    let links = std::iter::successors(Some(path.to_owned()), next).take(MOST);
+    links.last().unwrap_or_else(|| path.to_owned())
 }
 
 fn parent(path: &Path) -> &Path {
@@ -187,14 +268,50 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let listed = || unfinished().iter().filter(|path| path.starts_with(folder.path())).count();
         let path = folder.path().join("a.png");
-        let check = |_: &mut File| {
-            assert_eq!(listed(), 1);
-            Ok(())
-        };
-        replace_file_with(&path, check).unwrap();
+        let target = Target::of(&path).unwrap();
+        let named = target.named_file(tempfile_at).unwrap();
+        assert_eq!((listed(), names(folder.path()).len()), (1, 1));
+        drop(named);
+        assert_eq!((listed(), names(folder.path()).len()), (0, 0));
+        replace_file_with(&path, |_| Ok(())).unwrap();
         assert_eq!(listed(), 0);
         replace_file_with(&path, |_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
         assert_eq!(listed(), 0);
+    }
+
+    /// As on systems where every file has a name, or gets it only when it is made.
+    #[test]
+    fn files_with_names_are_replaced_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = Target::of(&folder.path().join("a.png")).unwrap();
+        let mut named = target.named_file(tempfile_at).unwrap();
+        target.rename(&mut named, |file| file.write_all(b"one")).unwrap();
+        drop(named);
+        assert_eq!(fs::read(folder.path().join("a.png")).unwrap(), b"one");
+        assert_eq!(names(folder.path()), ["a.png"]);
+        let mut named = target.named_file(tempfile_at).unwrap();
+        target.rename(&mut named, |_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
+        drop(named);
+        assert_eq!(fs::read(folder.path().join("a.png")).unwrap(), b"one");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    /// Nobody sees what is being written.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_is_being_written_has_no_name() {
+        let folder = tempfile::tempdir().unwrap();
+        if nameless_file(folder.path()).is_none() {
+            eprintln!("NOT TESTED: {} has no files without names", folder.path().display());
+            return;
+        }
+        let seen = |file: &mut File| {
+            file.write_all(b"half")?;
+            assert_eq!(names(folder.path()), [""; 0]);
+            Ok(())
+        };
+        replace_file_with(&folder.path().join("a.png"), seen).unwrap();
+        assert_eq!(names(folder.path()), ["a.png"]);
     }
 
     #[cfg(target_os = "linux")]
@@ -321,5 +438,40 @@ mod tests {
         replace_file(&link, b"new").unwrap();
         assert_eq!(fs::read(&file).unwrap(), b"new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_a_file_that_is_not_there_creates_it() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("store")).unwrap();
+        fs::create_dir(at("links")).unwrap();
+        symlink("../store/new.png", at("links/second.png")).unwrap();
+        symlink("links/second.png", at("first.png")).unwrap();
+        symlink("nowhere/new.png", at("lost.png")).unwrap();
+        symlink("circle.png", at("circle.png")).unwrap();
+        assert_eq!(written_file(&at("first.png")), written_file(&at("store/./new.png")));
+        check_writable(&at("first.png")).unwrap();
+        assert_eq!(names(&at("store")), [""; 0]);
+        for contents in [b"one", b"two"] {
+            replace_file(&at("first.png"), contents).unwrap();
+            assert_eq!(fs::read(at("store/new.png")).unwrap(), contents);
+        }
+        assert_eq!(written_file(&at("first.png")), written_file(&at("store/new.png")));
+        for link in ["first.png", "links/second.png"] {
+            assert!(fs::symlink_metadata(at(link)).unwrap().is_symlink(), "{link}");
+        }
+        assert_eq!(names(&at("store")), ["new.png"]);
+        assert_eq!(names(&at("links")), ["second.png"]);
+
+        let error = check_writable(&at("lost.png")).unwrap_err();
+        let ImageError::NoFolder { folder: missing, .. } = &error else { panic!("{error}") };
+        assert!(missing.ends_with("nowhere"), "{error}");
+        assert!(replace_file(&at("lost.png"), b"").is_err());
+        assert_eq!(written_file(&at("lost.png")), None);
+        assert!(replace_file(&at("circle.png"), b"").is_err());
+        assert!(fs::symlink_metadata(at("circle.png")).unwrap().is_symlink());
     }
 }

@@ -24,6 +24,6 @@ pub use scene::PreparedScene;
 pub use scene::bvh::BvhQuality;
 pub use settings::estimation::{EstimationSettings, Estimator, FilterSettings};
 pub use settings::light_cache::{BidirectionalTechniques, LightCacheSettings};
-pub use settings::sampling::{AllocatorKind, Sampling};
+pub use settings::sampling::{AllocatorKind, Sampling, Split};
 pub use settings::{IntegratorKind, Settings, Techniques};
 pub use timings::{Part, Timings};

@@ -3,10 +3,12 @@
 use super::description::Scene;
 use super::error::SceneError;
 use super::json;
+use super::memory::Memory;
 use super::shipped;
 use super::source::{Disk, read_up_to};
+use std::collections::BTreeMap;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How a scene is loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +48,20 @@ impl LoadOptions {
         let path = Path::new(name);
         let text = read_up_to(input, path, self.text_bytes())?;
         json::load_text(&Disk, json::SceneText { path, folder: Path::new(""), text: &text }, *self)
+    }
+
+    /// Loads a scene whose files are all in memory, by their paths: the scene file `scene` with its
+    /// OBJ, MTL and textures. No file of the disk is read.
+    ///
+    /// # Errors
+    ///
+    /// As [`load`](Self::load).
+    pub fn load_files(
+        &self,
+        files: &BTreeMap<PathBuf, Vec<u8>>,
+        scene: &Path,
+    ) -> Result<Scene, SceneError> {
+        json::load_from(&Memory(files), scene, *self)
     }
 
     /// Loads the scene that ships under the name `name`.

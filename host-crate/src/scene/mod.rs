@@ -30,6 +30,7 @@ mod light;
 mod limits;
 mod load;
 mod material;
+mod memory;
 pub(crate) mod mesh;
 mod obj;
 mod picture;

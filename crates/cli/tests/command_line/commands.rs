@@ -28,9 +28,6 @@ fn compare_measures_the_difference() {
     let text = run(folder.path(), "compare a.exr same.exr").succeeded().stdout;
     assert!(text.starts_with("RMSE            0.000000\n"), "{text}");
     run(folder.path(), "compare a.png a.png").succeeded();
-    let agreement =
-        run(folder.path(), "compare a.exr b.exr --reference-samples 4").succeeded().stdout;
-    assert!(agreement.contains("agreement"), "{agreement}");
 }
 
 #[test]

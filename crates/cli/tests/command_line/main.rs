@@ -4,9 +4,11 @@
 
 mod adaptive;
 mod commands;
+mod comparing;
 mod convergence;
 mod integrators;
 mod interrupt;
+mod kills;
 mod memory;
 mod options;
 mod outputs;

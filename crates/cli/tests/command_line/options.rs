@@ -109,3 +109,73 @@ fn the_version() {
     let version = run(folder.path(), "--version").succeeded().stdout;
     assert_eq!(version, format!("raystream {}\n", env!("CARGO_PKG_VERSION")));
 }
+
+const TINY: &str = "render --device cpu --size 4x3 --spp 1 -q -o a.exr";
+
+#[test]
+fn options_without_effect_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, option) in [
+        ("--estimator variance --allocator uniform", "--estimator"),
+        ("--relative --allocator uniform", "--relative"),
+        ("--initial-spp 3 --allocator uniform", "--initial-spp"),
+        ("--filter-radius 2 --estimator halves", "--filter-radius"),
+        ("--filter-features-only --allocator uniform", "--filter-features-only"),
+        ("--no-smoothing", "--no-smoothing"),
+        ("--halves", "--halves"),
+        ("--light-paths 100", "--light-paths"),
+        ("--no-light-tracing --integrator megakernel", "--no-light-tracing"),
+        ("--exposure 2", "--exposure"),
+        ("--tone-map aces", "--tone-map"),
+        ("--validation", "--validation"),
+        ("--naga", "--naga"),
+    ] {
+        let run = run(folder.path(), &format!("{TINY} {arguments}")).succeeded();
+        let warning = format!("warning: {option} has no effect ");
+        assert!(run.stderr.starts_with(&warning), "{arguments}: {:?}", run.stderr);
+        assert_eq!(run.stderr.lines().count(), 1, "{:?}", run.stderr);
+    }
+    for arguments in [
+        "--estimator variance --relative --no-smoothing",
+        "--estimator halves --allocator uniform",
+        "--filter-radius 2 --initial-spp 3 --round-budget 1",
+        "--halves --allocator uniform",
+        "--light-paths 100 --connections 1 --no-light-tracing --integrator lvc",
+        "-o a.png --exposure 2 --tone-map aces --png-layers",
+        "--seed 4294967295 --sampler independent --max-depth 3 --rr-depth 2 --bvh fast",
+    ] {
+        let run = run(folder.path(), &format!("{TINY} {arguments}")).succeeded();
+        assert_eq!(run.stderr, "", "{arguments}");
+    }
+}
+
+#[test]
+fn other_commands_say_it_too() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), TINY).succeeded();
+    let says = |arguments: &str, option: &str| {
+        let warning = format!("warning: {option} has no effect ");
+        run(folder.path(), arguments).succeeded().says(&[&warning]);
+    };
+    says("compare a.exr a.exr --gain 2", "--gain");
+    let size = "--device cpu --size 4x3";
+    says(&format!("bench rays {size} --repetitions 1 --checks 1 --max-depth 2"), "--max-depth");
+    says(&format!("bench paths {size} --time 0.01 --connections 1"), "--connections");
+    let convergence =
+        "bench convergence cornell_ball@4x3 --device cpu --spp 1 --repetitions 1 --cache c -q";
+    says(&format!("{convergence} --allocators uniform --errors relative"), "--errors");
+}
+
+#[test]
+fn threads_can_be_limited() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, said) in
+        [("devices --threads 3", "3 threads"), ("--threads 1 devices", "1 threads")]
+    {
+        let devices = run(folder.path(), arguments).succeeded().stdout;
+        assert!(devices.contains(said), "{devices}");
+    }
+    run(folder.path(), &format!("{TINY} --threads 1")).succeeded();
+    run(folder.path(), "compare a.exr a.exr --threads 2").succeeded();
+    run(folder.path(), "devices --threads 0").failed(&["--threads", "1..=4096"]);
+}

@@ -43,6 +43,23 @@ fn several_outputs() {
     assert_eq!(names(folder.path()), ["a.exr", "b.png", "c.EXR"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn links_lead_to_what_is_written() {
+    use std::os::unix::fs::symlink;
+    let folder = folder();
+    std::fs::create_dir(folder.path().join("store")).unwrap();
+    symlink("store/new.png", folder.path().join("link.png")).unwrap();
+    render(folder.path(), &format!("{TINY} -o link.png -o store/new.png"))
+        .failed(&["store/new.png", "twice"]);
+    assert_eq!(names(&folder.path().join("store")), [""; 0]);
+    render(folder.path(), &format!("{TINY} -o link.png")).succeeded();
+    assert_eq!(names(&folder.path().join("store")), ["new.png"]);
+    assert!(folder.path().join("link.png").symlink_metadata().unwrap().is_symlink());
+    symlink("lost/new.png", folder.path().join("lost.png")).unwrap();
+    refused_at_once(folder.path(), "lost.png", &["lost.png", "there is no folder", "lost"]);
+}
+
 #[test]
 fn layers_as_pictures() {
     let folder = folder();

@@ -2,6 +2,7 @@
 //! and where it is seen from.
 
 mod clean;
+mod defects;
 mod format;
 mod libraries;
 mod material;

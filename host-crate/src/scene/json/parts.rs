@@ -1,6 +1,7 @@
 //! Meshes and materials of an OBJ's parts.
 
 use super::clean::Cleaner;
+use super::defects;
 use super::format::{Normals, SceneFile};
 use super::libraries;
 use super::material::FileMaterial;
@@ -20,7 +21,7 @@ use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
 use crate::scene::texture::TextureId;
 use glam::DVec3;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 /// What it takes to make meshes of an OBJ's parts, and what is found on the way.
@@ -207,6 +208,36 @@ impl<'a> Parts<'a> {
         }
     }
 
+    /// What the picture will show of the geometry that is not so.
+    fn defects(&self, scene: &Scene) -> Vec<String> {
+        let of = |materials: BTreeSet<usize>| {
+            let is_of = |id: &MaterialId| materials.contains(&(id.0 as usize));
+            let is_named = |surface: &Surface| match surface {
+                Surface::Null => false,
+                Surface::Plain(id) => is_of(id),
+                Surface::Textured(textured) => textured.materials.iter().flatten().any(is_of),
+            };
+            let named = self.surfaces.iter().filter(|(_, surface)| is_named(surface));
+            let mut names: Vec<_> = named.map(|(name, _)| name.to_string()).collect();
+            names.sort();
+            (!names.is_empty()).then(|| crate::scene::error::list(&names))
+        };
+        let path = self.obj_path.display();
+        let glass = of(defects::glass_in_one_place(scene)).map(|names| {
+            format!(
+                "{path}: glass of {names} has faces in one place, where a ray cannot tell which \
+                 body it is in: these make and lose light; move them apart a little."
+            )
+        });
+        let coarse = of(defects::coarse_and_smooth(scene)).map(|names| {
+            format!(
+                "{path}: {names} is smooth by its normals, but of large triangles: the edge of its \
+                 shadow side will follow them; use a finer mesh."
+            )
+        });
+        glass.into_iter().chain(coarse).collect()
+    }
+
     /// Hands over the textures, and says what the user should know of the parts as a whole.
     pub(super) fn finish(self, obj: &Obj, scene: &mut Scene) {
         let path = self.obj_path.display();
@@ -228,6 +259,7 @@ impl<'a> Parts<'a> {
                 "{path}: {duplicates} triangles with the corners of another were dropped."
             ));
         }
+        scene.warnings.extend(self.defects(scene));
         self.summary.finish(scene);
         scene.textures = self.pictures.textures;
     }

@@ -1,7 +1,7 @@
 //! EXR files, written.
 
-use super::replace::replace_file;
-use super::{ImageError, LayeredImage};
+use crate::image::replace::replace_file;
+use crate::image::{ImageError, LayeredImage};
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, LineOrder,
