@@ -10,5 +10,6 @@ mod image;
 mod integrator;
 mod math;
 mod parallel;
+mod reconstruction;
 mod render;
 mod scene;

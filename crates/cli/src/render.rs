@@ -14,7 +14,8 @@ use raystream::film::Film;
 use raystream::image::{self, Display, Format, ToneMap};
 use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
-    Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, Stop, run as render,
+    Budget, FilterKind, Outcome, PreparedScene, RenderError, Renderer, Settings, Stop,
+    run as render,
 };
 use raystream::scene::DEFAULT_SCENE;
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
@@ -47,6 +48,17 @@ pub struct RenderArguments {
     settings: SettingsArguments,
     #[command(flatten)]
     device: DeviceArguments,
+    /// Take noise out of the picture with a filter [default filter: bilateral]. An EXR has the
+    /// result as the layer `denoised` beside everything else, a PNG shows it, and --noise means the
+    /// error that is left in it.
+    #[arg(
+        long,
+        value_name = "FILTER",
+        num_args = 0..=1,
+        default_missing_value = FilterKind::Bilateral.name(),
+        value_parser = choice::<FilterKind>()
+    )]
+    denoise: Option<FilterKind>,
     /// Brightness of a PNG in stops: +1 doubles.
     #[arg(
         long,
@@ -88,8 +100,11 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     let outputs = arguments.outputs(&scene.name);
     check_outputs(&outputs, arguments.png_layers)?;
     let device = arguments.device.open()?;
-    let mut settings =
-        Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
+    let mut settings = Settings {
+        sampling: arguments.sampling.sampling(),
+        denoise: arguments.denoise,
+        ..arguments.settings.settings(&scene)
+    };
     arguments.say(&format!(
         "{}: {} triangles, {}x{} pixels, on {}",
         scene.name,
@@ -129,6 +144,10 @@ pub fn run(arguments: &RenderArguments) -> Result<Ending, CliError> {
     }
     header.extend(arguments.settings.describe(&settings));
     header.extend(describe(&settings.sampling));
+    if let Some(filter) = settings.denoise {
+        header.push(("denoise".to_owned(), filter.to_string()));
+        arguments.say(&format!("filtered the picture ({filter})"));
+    }
     arguments.write(&outputs, &film, &header)?;
     Ok(if outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
 }

@@ -2,6 +2,7 @@
 
 use super::allocator::sampling::Sampling;
 use super::integrator::lvc_settings::LightCacheSettings;
+use super::reconstruction::settings::FilterKind;
 use super::scene::PreparedScene;
 use super::scene::camera::camera;
 use crate::names::named;
@@ -36,6 +37,9 @@ pub struct Settings {
     pub integrator: IntegratorKind,
     /// Settings of the integrator `lvc`.
     pub light_cache: LightCacheSettings,
+    /// What takes the noise out of the picture at the end, if anything. Samples are then split into
+    /// halves, and [`Sampling::noise`] means the error that is left.
+    pub denoise: Option<FilterKind>,
     /// Slots of the longest sample stream, at most 2^22 and by default as many: fewer take less
     /// memory, and bound how many paths an adaptive round traces.
     pub stream_slots: Option<u32>,
@@ -99,6 +103,7 @@ impl Settings {
             sampling: Sampling::default(),
             integrator: IntegratorKind::default(),
             light_cache: LightCacheSettings::default(),
+            denoise: None,
             stream_slots: None,
         }
     }

@@ -1,0 +1,50 @@
+//! Reconstruction: a picture with less noise than the film's, by a filter over pixels that look
+//! alike.
+//!
+//! All filters go the same way. [`halves`] makes what they look at: guides, the means of both
+//! halves, and variances that are measured and not assumed. A filter, a file each, turns these into
+//! [`FilteredPixel`]s. [`guard`] then says how far a pixel may trust its filter and what error is
+//! left, and [`mean`] gives the picture back the light that the filter has lost. Whatever the filter
+//! gets wrong, the picture therefore converges to the truth.
+
+pub mod guard;
+pub mod halves;
+pub mod mean;
+pub mod nlm;
+
+use crate::film::tiles::pixel_of_rank;
+use crate::glam::Vec3;
+use crate::memory::device_struct;
+
+device_struct! {
+    /// What a filter makes of one pixel. 16 bytes.
+    pub struct FilteredPixel {
+        /// The filtered radiance, linear Rec.709.
+        pub color: Vec3,
+        /// How far `color` follows the pixel's own mean, from 0 to 1: the derivative, which is the
+        /// pixel's own weight where weights do not depend on its noise.
+        pub own: f32,
+    }
+}
+
+device_struct! {
+    /// The parameters of a pass over pixels in rank order. 16 bytes.
+    pub struct PictureParams {
+        /// Pixels of the pass.
+        pub threads: u32,
+        /// Rank of the first, where not all are bound.
+        pub first_rank: u32,
+        /// Picture width in pixels.
+        pub width: u32,
+        /// Picture height in pixels.
+        pub height: u32,
+    }
+}
+
+impl PictureParams {
+    /// Where the pixel of a rank lies in rows.
+    pub fn row_index(&self, rank: u32) -> u32 {
+        let (x, y) = pixel_of_rank(rank, self.width, self.height);
+        y * self.width + x
+    }
+}
