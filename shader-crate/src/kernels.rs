@@ -408,13 +408,13 @@ macro_rules! for_each_kernel {
             filter_picture[256] = $crate::estimator::bilateral::filter_picture {
                 uniform parameters: $crate::estimator::bilateral::FilterParams,
                 read guides: $crate::estimator::guide::Guide,
-                write picture: $crate::reconstruction::FilteredPixel,
+                write picture: $crate::estimator::filtered::FilteredPixel,
             }
             /// Estimates errors by the difference from a filtered picture.
             difference_errors[256] = $crate::estimator::difference::difference_errors {
                 uniform parameters: $crate::estimator::NoiseParams,
                 read guides: $crate::estimator::guide::Guide,
-                read filtered: $crate::reconstruction::FilteredPixel,
+                read filtered: $crate::estimator::filtered::FilteredPixel,
                 read film: $crate::film::FilmPixel,
                 write estimates: $crate::estimator::Estimate,
                 write errors: f32,
@@ -452,20 +452,20 @@ macro_rules! for_each_kernel {
                 read first: $crate::glam::Vec4,
                 read filtered_first: $crate::glam::Vec4,
                 read filtered_second: $crate::glam::Vec4,
-                write filtered: $crate::reconstruction::FilteredPixel,
+                write filtered: $crate::estimator::filtered::FilteredPixel,
             }
             /// Makes what the guard of a filter averages.
             guard_terms[256] = $crate::reconstruction::guard::guard_terms {
                 uniform parameters: $crate::reconstruction::PictureParams,
                 read guides: $crate::estimator::guide::Guide,
-                read filtered: $crate::reconstruction::FilteredPixel,
+                read filtered: $crate::estimator::filtered::FilteredPixel,
                 scatter terms: $crate::glam::Vec4,
             }
             /// Draws filtered pixels towards the measured ones.
             guard[256] = $crate::reconstruction::guard::guard {
                 uniform parameters: $crate::reconstruction::PictureParams,
                 read guides: $crate::estimator::guide::Guide,
-                read filtered: $crate::reconstruction::FilteredPixel,
+                read filtered: $crate::estimator::filtered::FilteredPixel,
                 read blurred: $crate::glam::Vec4,
                 write picture: $crate::estimator::Estimate,
             }

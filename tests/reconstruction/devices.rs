@@ -1,6 +1,7 @@
 //! The GPU against the CPU, on the film of a real scene.
 
 use super::films::denoise_on;
+use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::render::{FilterKind, Sampling, Settings};
 use raystream::scene::FilmSize;
@@ -26,7 +27,7 @@ fn pictures_are_equal_but_for_rounding() {
     let mut film = render(&prepared, &Settings { sampling, ..settings }, 6);
     film.radiance[700].first_sum.x = f32::NAN;
     film.radiance[701].sum_of_squares.x = f32::INFINITY;
-    let brightest = film.color().into_iter().map(|c| c.max_element()).filter(|c| c.is_finite());
+    let brightest = film.color().into_iter().map(Vec3::max_element).filter(|c| c.is_finite());
     let brightest = brightest.fold(0.0, f32::max);
     with_gpu(|gpu| {
         for &kind in FilterKind::ALL {

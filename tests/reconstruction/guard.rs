@@ -10,7 +10,7 @@ use raystream::render::reconstruction::{
 };
 use raystream::render::{FilmBuffers, FilterKind};
 use raystream::scene::FilmSize;
-use raystream_shaders::reconstruction::FilteredPixel;
+use raystream_shaders::estimator::filtered::FilteredPixel;
 
 /// A filter that makes every picture black.
 struct Blackout;

@@ -10,6 +10,7 @@ mod bench;
 mod choices;
 mod compare;
 mod convergence;
+mod denoise;
 mod devices;
 mod ending;
 mod entries;
@@ -45,6 +46,8 @@ enum Command {
     Render(render::RenderArguments),
     /// Compare two pictures: RMSE, relMSE, ratio of the means.
     Compare(compare::CompareArguments),
+    /// Take noise out of a picture that was rendered before, here or by another renderer.
+    Denoise(denoise::DenoiseArguments),
     /// List the devices that can render.
     Devices(devices::DevicesArguments),
     /// List the scenes that ship with Raystream.
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Denoise(arguments) => denoise::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Scenes => scenes::run(),
         Command::Bench(command) => bench::run(&command),

@@ -3,7 +3,7 @@
 use super::choices::choice;
 use super::ending::{CliError, Ending, INTERRUPTED};
 use super::hints::with_hint;
-use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
+use super::options::{DeviceArguments, DisplayArguments, SettingsArguments, parse_seconds};
 use super::output::{self, is_same_file, rate};
 use super::progress::ProgressDisplay;
 use super::sampling::{SamplingArguments, describe};
@@ -11,7 +11,7 @@ use clap::Args;
 use glam::Vec3;
 use raystream::exec::device::Device;
 use raystream::film::Film;
-use raystream::image::{self, Display, Format, ToneMap};
+use raystream::image::{self, Format};
 use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
     Budget, FilterKind, Outcome, PreparedScene, RenderError, Renderer, Settings, Stop,
@@ -59,18 +59,8 @@ pub struct RenderArguments {
         value_parser = choice::<FilterKind>()
     )]
     denoise: Option<FilterKind>,
-    /// Brightness of a PNG in stops: +1 doubles.
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "STOPS",
-        allow_negative_numbers = true,
-        value_parser = parse_exposure
-    )]
-    exposure: f32,
-    /// How a PNG shows what is brighter than its white.
-    #[arg(long, value_parser = choice::<ToneMap>(), default_value_t)]
-    tone_map: ToneMap,
+    #[command(flatten)]
+    display: DisplayArguments,
     /// Beside each .png picture, write its layers as pictures too: picture.samples.png (samples per
     /// pixel), picture.error.png (estimated error) and picture.filtered.png, where errors are
     /// estimated, picture.albedo.png, picture.normal.png and picture.depth.png.
@@ -197,7 +187,7 @@ impl RenderArguments {
         film: &Film,
         header: &[(String, String)],
     ) -> Result<(), FigureError> {
-        let display = Display { exposure: self.exposure, tone_map: self.tone_map };
+        let display = self.display.display();
         // Where one cannot be written (a disk is full), the others still save the render.
         let mut written = Ok(());
         for path in outputs {
@@ -367,11 +357,4 @@ pub fn file_stem(name: &str) -> String {
         .collect();
     let stem = stem.trim_matches(['.', ' ']);
     if stem.is_empty() { "picture".into() } else { stem.into() }
-}
-
-fn parse_exposure(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
-        _ => Err(format!("'{text}' is not a number of stops between -100 and 100")),
-    }
 }

@@ -8,6 +8,7 @@
 //! A fifth factor, which can be switched off, looks at the colours themselves: what two pixels
 //! differ by beyond their noise is real. See `Centre::color_exponent`.
 
+use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::{Guide, mean_of_squares, unpack_normal};
 use crate::estimator::{ErrorForm, Estimate};
 use crate::film::FilmPixel;
@@ -16,7 +17,6 @@ use crate::glam::Vec3;
 use crate::math::UNIT_ROUNDOFF;
 use crate::memory::access::at;
 use crate::memory::device_struct;
-use crate::reconstruction::FilteredPixel;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 

@@ -3,10 +3,10 @@
 use super::bilateral::{contrast, unseen_part};
 use super::guide::{Guide, mean_of_squares};
 use super::{Estimate, NoiseParams, smoothed_variance};
+use crate::estimator::filtered::FilteredPixel;
 use crate::film::FilmPixel;
 use crate::glam::Vec3;
 use crate::memory::access::at;
-use crate::reconstruction::FilteredPixel;
 
 /// Kernel: the estimate and the allocators' error of the pixel `first_rank + lane`, of all guides
 /// and of the filtered picture, both in rank order.

@@ -7,6 +7,7 @@
 
 pub mod bilateral;
 pub mod difference;
+pub mod filtered;
 pub mod guide;
 
 use crate::estimator::guide::Guide;

@@ -14,8 +14,9 @@
 //! Denoising of Monte Carlo Rendered Images", 2022, mix by estimated errors likewise). As `v` goes
 //! to 0, the picture goes to `x` wherever `f` is not it.
 
-use super::{FilteredPixel, PictureParams};
+use super::PictureParams;
 use crate::estimator::Estimate;
+use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::{Guide, mean_of_squares};
 use crate::glam::{Vec3, Vec4};
 use crate::memory::access::{Scatter, at};
@@ -68,6 +69,9 @@ pub fn guard(
 /// `F + (1 - 2 a) v`, where `F` is the squared error of `f`; and `F` is at least the pixel's own noise
 /// in it, `a^2 v`. The picture's own error follows: `(1 - w)^2 F + w^2 v + 2 w
 /// (1 - w) a v`.
+///
+/// Averages are wrong for a calm pixel beside a noisy one. No picture is worse, on average, than
+/// twice its squared difference from `x` and the variance of that.
 fn guarded(guide: &Guide, filtered: &FilteredPixel, about: Vec4) -> Estimate {
     let (difference, variance) = (about.x / about.w, about.y / about.w);
     let trust =
@@ -75,8 +79,11 @@ fn guarded(guide: &Guide, filtered: &FilteredPixel, about: Vec4) -> Estimate {
     let own = filtered.own;
     let error = (difference - (1.0 - 2.0 * own) * variance).max(own * own * variance);
     let rest = 1.0 - trust;
-    let squared_error = rest * rest * error + trust * (trust + 2.0 * rest * own) * guide.variance;
-    Estimate { filtered: filtered.color + (guide.color - filtered.color) * trust, squared_error }
+    let variance = guide.variance;
+    let error = rest * rest * error + trust * (trust + 2.0 * rest * own) * variance;
+    let picture = filtered.color + (guide.color - filtered.color) * trust;
+    let bound = 2.0 * (mean_of_squares(picture - guide.color) + variance);
+    Estimate { filtered: picture, squared_error: error.min(bound) }
 }
 
 #[cfg(test)]

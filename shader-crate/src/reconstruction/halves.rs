@@ -77,7 +77,7 @@ pub fn calibrate(
     let ratio = about.x / about.y;
     // False for NaN as well: nothing about the pixel has two halves, or any noise.
     if about.y > 0.0 && is_finite(ratio) {
-        let ratio = ratio.max(SMALLEST_RATIO).min(LARGEST_RATIO);
+        let ratio = ratio.clamp(SMALLEST_RATIO, LARGEST_RATIO);
         guide.variance *= ratio;
         if first.w > 0.0 {
             first.w *= ratio;

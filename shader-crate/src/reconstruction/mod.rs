@@ -3,7 +3,7 @@
 //!
 //! All filters go the same way. [`halves`] makes what they look at: guides, the means of both
 //! halves, and variances that are measured and not assumed. A filter, a file each, turns these into
-//! [`FilteredPixel`]s. [`guard`] then says how far a pixel may trust its filter and what error is
+//! [`FilteredPixel`](crate::estimator::filtered::FilteredPixel)s. [`guard`] then says how far a pixel may trust its filter and what error is
 //! left, and [`mean`] gives the picture back the light that the filter has lost. Whatever the filter
 //! gets wrong, the picture therefore converges to the truth.
 
@@ -13,19 +13,7 @@ pub mod mean;
 pub mod nlm;
 
 use crate::film::tiles::pixel_of_rank;
-use crate::glam::Vec3;
 use crate::memory::device_struct;
-
-device_struct! {
-    /// What a filter makes of one pixel. 16 bytes.
-    pub struct FilteredPixel {
-        /// The filtered radiance, linear Rec.709.
-        pub color: Vec3,
-        /// How far `color` follows the pixel's own mean, from 0 to 1: the derivative, which is the
-        /// pixel's own weight where weights do not depend on its noise.
-        pub own: f32,
-    }
-}
 
 device_struct! {
     /// The parameters of a pass over pixels in rank order. 16 bytes.

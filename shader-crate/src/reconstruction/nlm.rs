@@ -9,8 +9,9 @@
 //! the distances of all pixels of the tile and its border to those at the offset, sum these along
 //! rows, and then each lane along its column: a patch costs 14 additions and not 49.
 
+use super::PictureParams;
 use super::halves::share_of_first;
-use super::{FilteredPixel, PictureParams};
+use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::{Guide, mean_of_squares};
 use crate::film::tiles::rank_of_pixel;
 use crate::glam::{Vec3, Vec4};
@@ -47,6 +48,8 @@ const TOTALS: u32 = ROW_SUMS + TILE_WIDTH * BORDERED_HEIGHT;
 /// The memory of a workgroup, bits of f32: distances, sums along rows, four totals for each lane.
 pub type Memory = [u32; (TOTALS + 4 * LANES) as usize];
 
+/// Pixels of a patch.
+const AREA: f32 = ((2 * PATCH + 1) * (2 * PATCH + 1)) as f32;
 /// Differences within this many roundings count as none.
 const RELATIVE_FLOOR: f32 = 1e-6;
 
@@ -124,7 +127,7 @@ pub fn filter_half(
     let top = ((lane.group >> params.row_shift) * TILE_HEIGHT) as i32;
     let is_inside = params.contains(left, top);
     let offset = phase / 2;
-    if phase % 2 == 0 {
+    if phase & 1 == 0 {
         let x = left + (lane.index % TILE_WIDTH) as i32;
         let y = top + (lane.index / TILE_WIDTH) as i32;
         if params.contains(x, y) {
@@ -207,7 +210,6 @@ fn add_neighbour(
             sum += f32::from_bits(local(memory, ROW_SUMS + index + k * TILE_WIDTH));
             k += 1;
         }
-        const AREA: f32 = ((2 * PATCH + 1) * (2 * PATCH + 1)) as f32;
         let weight = (-(sum / AREA).max(0.0)).exp();
         let (color, totals) = (value.truncate() * weight, TOTALS + index);
         add(memory, totals, color.x);

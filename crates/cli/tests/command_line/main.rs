@@ -5,6 +5,7 @@
 mod adaptive;
 mod commands;
 mod convergence;
+mod denoise;
 mod integrators;
 mod interrupt;
 mod memory;

@@ -6,7 +6,7 @@ use crate::render::estimator::settings::FilterSettings;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::ErrorForm;
 use raystream_shaders::estimator::bilateral::FilterParams;
-use raystream_shaders::reconstruction::FilteredPixel;
+use raystream_shaders::estimator::filtered::FilteredPixel;
 
 /// A joint bilateral filter.
 pub struct Bilateral {

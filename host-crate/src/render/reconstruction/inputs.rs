@@ -90,15 +90,22 @@ impl<B> FilterInputs<B> {
                 self.rows.view(),
             ));
         }
-        launches.extend(self.blur(NOISE_SIGMA));
-        launches.push(kernels::calibrate(
+        launches.extend(self.calibration());
+        launches
+    }
+
+    /// The launches that scale the variances of guides and halves to what [`Self::rows`] says of
+    /// noise, see [`calibrate`](raystream_shaders::reconstruction::halves::calibrate): the last step
+    /// of [`Self::launches`].
+    pub fn calibration(&self) -> Vec<Launch<'_, B>> {
+        let calibrate = kernels::calibrate(
             &self.parameters(),
             self.rows.view(),
             self.guides.view(),
             self.first.view(),
             self.second.view(),
-        ));
-        launches
+        );
+        self.blur(NOISE_SIGMA).into_iter().chain([calibrate]).collect()
     }
 
     /// Sums over [`Self::rows`] by the weights of a Gaussian that are 1 at the pixel itself.

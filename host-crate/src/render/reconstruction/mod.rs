@@ -21,8 +21,8 @@ use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::Estimate;
+use raystream_shaders::estimator::filtered::FilteredPixel;
 use raystream_shaders::film::tiles::pixel_of_rank;
-use raystream_shaders::reconstruction::FilteredPixel;
 use raystream_shaders::reconstruction::mean::MeanParams;
 
 /// Standard deviation, in pixels, of the Gaussian over which the guard averages.

@@ -4,7 +4,7 @@ use super::{Filter, FilterInputs, FilterView};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::scene::FilmSize;
 use glam::Vec4;
-use raystream_shaders::reconstruction::FilteredPixel;
+use raystream_shaders::estimator::filtered::FilteredPixel;
 use raystream_shaders::reconstruction::nlm::NlmParams;
 
 /// Deviations by which differences are measured (Rousselle et al. 2012).
