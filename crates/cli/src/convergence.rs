@@ -9,7 +9,9 @@ use super::progress::ProgressDisplay;
 use super::sampling::{EstimationArguments, RoundArguments};
 use clap::{Args, ValueEnum};
 use raystream::exec::device::Device;
-use raystream::render::{AllocatorKind, Estimator, IntegratorKind, PreparedScene, Settings};
+use raystream::render::{
+    AllocatorKind, Estimator, FilterKind, IntegratorKind, PreparedScene, Settings,
+};
 use raystream::scene::Scene;
 use raystream_bench::convergence::{
     Configuration, Identity, Plan, REFERENCE_SEEDS, Reference, checkpoints, measure, write_scene,
@@ -56,6 +58,15 @@ pub struct ConvergenceArguments {
         default_value = "bilateral"
     )]
     estimators: Vec<Estimator>,
+    /// Filters of the picture, separated by commas: everything is measured without a filter and with
+    /// each of these, the time of filtering included.
+    #[arg(
+        long,
+        value_parser = choice::<FilterKind>(),
+        value_delimiter = ',',
+        value_name = "LIST"
+    )]
+    filters: Vec<FilterKind>,
     /// Measures of the error to use with each of them.
     #[arg(
         long,
@@ -204,6 +215,7 @@ impl ConvergenceArguments {
             &self.allocators,
             &self.estimators,
             &relative,
+            &self.filters,
         )
     }
 
