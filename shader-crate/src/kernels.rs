@@ -445,6 +445,14 @@ macro_rules! for_each_kernel {
                 read values: $crate::glam::Vec4,
                 scatter filtered: $crate::glam::Vec4,
             }
+            /// Filters one half of samples by first-order regression.
+            regress_half[64] = $crate::reconstruction::regression::regress_half {
+                uniform parameters: $crate::reconstruction::regression::RegressionParams,
+                read guides: $crate::estimator::guide::Guide,
+                read weighers: $crate::glam::Vec4,
+                read values: $crate::glam::Vec4,
+                write filtered: $crate::glam::Vec4,
+            }
             /// Puts two filtered halves together.
             join_halves[256] = $crate::reconstruction::nlm::join_halves {
                 uniform parameters: $crate::reconstruction::PictureParams,

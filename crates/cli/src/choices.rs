@@ -65,6 +65,7 @@ choices! {
     FilterKind {
         Bilateral: "A joint bilateral filter: compares what the camera sees, and colours",
         Nlm: "Non-local means: compares patches of the picture's halves",
+        Regression: "Planes in what the camera sees, fitted with such weights; slow",
     }
 }
 

@@ -11,6 +11,7 @@ pub mod guard;
 pub mod halves;
 pub mod mean;
 pub mod nlm;
+pub mod regression;
 
 use crate::film::tiles::pixel_of_rank;
 use crate::memory::device_struct;

@@ -100,15 +100,15 @@ impl NlmParams {
 
 /// How far two pixels of a half differ beyond what their variances explain, over these: below 0
 /// where they are closer to each other than noise is on average.
-fn distance(params: &NlmParams, a: Vec4, b: Vec4) -> f32 {
+pub fn distance(strength: f32, explained: f32, a: Vec4, b: Vec4) -> f32 {
     let (a_color, b_color) = (a.truncate(), b.truncate());
     let difference = mean_of_squares(a_color - b_color);
     let floor =
         RELATIVE_FLOOR * RELATIVE_FLOOR * (mean_of_squares(a_color) + mean_of_squares(b_color))
             + f32::MIN_POSITIVE;
     let noise = a.w + b.w;
-    let excess = difference - params.explained * (a.w + a.w.min(b.w));
-    if a.w < 0.0 || b.w < 0.0 { 0.0 } else { excess / (params.strength * noise + floor) }
+    let excess = difference - explained * (a.w + a.w.min(b.w));
+    if a.w < 0.0 || b.w < 0.0 { 0.0 } else { excess / (strength * noise + floor) }
 }
 
 /// Kernel, in phases: one half, `values`, filtered by the weights of the other, `weighers`; both in
@@ -172,7 +172,8 @@ fn measure_distances(
         let y = top + (place / BORDERED_WIDTH) as i32 - PATCH as i32;
         let here = at(weighers, params.rank_near(x, y));
         let there = at(weighers, params.rank_near(x + dx, y + dy));
-        *local_mut(memory, place) = distance(params, here, there).to_bits();
+        *local_mut(memory, place) =
+            distance(params.strength, params.explained, here, there).to_bits();
         place += LANES;
     }
 }

@@ -44,7 +44,7 @@ fn a_render_has_its_filtered_picture_beside_everything_else() {
     assert_eq!(read_settings(&path("b.exr")).unwrap()["denoise"], "bilateral");
     let wrong = render(folder.path(), &format!("{SMALL} --denoise nonsense"));
     assert_eq!(wrong.status, Some(2));
-    wrong.says(&["nonsense", "bilateral", "nlm"]);
+    wrong.says(&["nonsense", "bilateral", "nlm", "regression"]);
 }
 
 #[test]

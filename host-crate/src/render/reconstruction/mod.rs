@@ -7,12 +7,14 @@
 mod bilateral;
 mod inputs;
 mod nlm;
+mod regression;
 pub mod settings;
 
 pub use inputs::{FilterInputs, FilterView};
 
 use self::bilateral::Bilateral;
 use self::nlm::Nlm;
+use self::regression::Regression;
 use self::settings::FilterKind;
 use super::estimator::settings::FilterSettings;
 use super::film::FilmBuffers;
@@ -55,6 +57,7 @@ pub fn create<E: Executor>(
     Ok(match kind {
         FilterKind::Bilateral => Box::new(Bilateral::new(settings)),
         FilterKind::Nlm => Box::new(Nlm::new(executor, size)?),
+        FilterKind::Regression => Box::new(Regression::new(executor, size)?),
     })
 }
 

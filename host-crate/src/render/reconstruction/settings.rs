@@ -11,11 +11,15 @@ pub enum FilterKind {
     Bilateral,
     /// Non-local means: compares patches of each half of the samples, and filters the other half.
     Nlm,
+    /// First-order regression: planes in the features of the first surface, fitted to each half of
+    /// the samples with weights as of `nlm` of the other.
+    Regression,
 }
 
 named! {
     FilterKind {
         Bilateral: "bilateral",
         Nlm: "nlm",
+        Regression: "regression",
     }
 }
