@@ -11,5 +11,6 @@ mod image;
 mod integrator;
 mod math;
 mod parallel;
+mod reconstruction;
 mod render;
 mod scene;

@@ -26,6 +26,9 @@ pub struct Film {
     /// Rec.709, to be added to that of the samples; none without light tracing (see
     /// [`raystream_shaders::film::splats`]). All pictures below have it.
     pub splats: Option<Vec<Vec3>>,
+    /// The filtered picture of the samples and the squared error that is left in it, likewise; none
+    /// where no filter was [asked for](crate::render::Settings::denoise).
+    pub denoised: Option<Vec<Estimate>>,
 }
 
 impl Film {
@@ -116,6 +119,25 @@ impl Film {
     /// make it smaller.
     pub fn squared_error(&self) -> Option<Vec<f32>> {
         self.of_estimates(|e| e.squared_error)
+    }
+
+    /// The picture that the filter of [`Settings::denoise`](crate::render::Settings::denoise) has
+    /// made, linear Rec.709; none without one. What light tracing found is added to it and not
+    /// filtered. A component that is noisy and dark may be a little below 0.
+    pub fn denoised(&self) -> Option<Vec<Vec3>> {
+        let denoised = self.denoised.as_ref()?;
+        Some(self.with_splats(denoised.iter().map(|estimate| estimate.filtered)))
+    }
+
+    /// Estimated squared error of each pixel of [`Self::denoised`], as [`Self::squared_error`].
+    pub fn denoised_error(&self) -> Option<Vec<f32>> {
+        let denoised = self.denoised.as_ref()?;
+        Some(denoised.iter().map(|estimate| estimate.squared_error).collect())
+    }
+
+    /// The picture to look at: [`Self::denoised`], or else [`Self::color`].
+    pub fn best(&self) -> Vec<Vec3> {
+        self.denoised().unwrap_or_else(|| self.color())
     }
 
     fn with_splats(&self, samples: impl Iterator<Item = Vec3>) -> Vec<Vec3> {

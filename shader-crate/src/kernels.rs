@@ -404,6 +404,88 @@ macro_rules! for_each_kernel {
                 write estimates: $crate::estimator::Estimate,
                 write errors: f32,
             }
+            /// Filters a picture by a joint bilateral filter.
+            filter_picture[256] = $crate::estimator::bilateral::filter_picture {
+                uniform parameters: $crate::estimator::bilateral::FilterParams,
+                read guides: $crate::estimator::guide::Guide,
+                write picture: $crate::estimator::filtered::FilteredPixel,
+            }
+            /// Estimates errors by the difference from a filtered picture.
+            difference_errors[256] = $crate::estimator::difference::difference_errors {
+                uniform parameters: $crate::estimator::NoiseParams,
+                read guides: $crate::estimator::guide::Guide,
+                read filtered: $crate::estimator::filtered::FilteredPixel,
+                read film: $crate::film::FilmPixel,
+                write estimates: $crate::estimator::Estimate,
+                write errors: f32,
+            }
+            /// Makes the means of the two halves of samples, with their variances.
+            make_halves[256] = $crate::reconstruction::halves::make_halves {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read film: $crate::film::FilmPixel,
+                write first: $crate::glam::Vec4,
+                write second: $crate::glam::Vec4,
+                scatter noise: $crate::glam::Vec4,
+            }
+            /// Scales variances to what is measured about pixels.
+            calibrate[256] = $crate::reconstruction::halves::calibrate {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read noise: $crate::glam::Vec4,
+                write guides: $crate::estimator::guide::Guide,
+                write first: $crate::glam::Vec4,
+                write second: $crate::glam::Vec4,
+            }
+            /// Filters one half of samples by non-local means.
+            filter_half[128] phased(
+                $crate::reconstruction::nlm::PHASES,
+                $crate::reconstruction::nlm::Memory
+            ) = $crate::reconstruction::nlm::filter_half {
+                uniform parameters: $crate::reconstruction::nlm::NlmParams,
+                read weighers: $crate::glam::Vec4,
+                read values: $crate::glam::Vec4,
+                scatter filtered: $crate::glam::Vec4,
+            }
+            /// Filters one half of samples by first-order regression.
+            regress_half[64] = $crate::reconstruction::regression::regress_half {
+                uniform parameters: $crate::reconstruction::regression::RegressionParams,
+                read guides: $crate::estimator::guide::Guide,
+                read weighers: $crate::glam::Vec4,
+                read values: $crate::glam::Vec4,
+                write filtered: $crate::glam::Vec4,
+            }
+            /// Puts two filtered halves together.
+            join_halves[256] = $crate::reconstruction::nlm::join_halves {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read guides: $crate::estimator::guide::Guide,
+                read first: $crate::glam::Vec4,
+                read filtered_first: $crate::glam::Vec4,
+                read filtered_second: $crate::glam::Vec4,
+                write filtered: $crate::estimator::filtered::FilteredPixel,
+            }
+            /// Makes what the guard of a filter averages.
+            guard_terms[256] = $crate::reconstruction::guard::guard_terms {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read guides: $crate::estimator::guide::Guide,
+                read filtered: $crate::estimator::filtered::FilteredPixel,
+                scatter terms: $crate::glam::Vec4,
+            }
+            /// Draws filtered pixels towards the measured ones.
+            guard[256] = $crate::reconstruction::guard::guard {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read guides: $crate::estimator::guide::Guide,
+                read filtered: $crate::estimator::filtered::FilteredPixel,
+                read blurred: $crate::glam::Vec4,
+                write picture: $crate::estimator::Estimate,
+            }
+            /// Finds what a filtered picture lacks.
+            filtered_differences[256] = $crate::reconstruction::mean::filtered_differences {
+                uniform parameters: $crate::reconstruction::mean::MeanParams,
+                read guides: $crate::estimator::guide::Guide,
+                read first: $crate::glam::Vec4,
+                read picture: $crate::estimator::Estimate,
+                scatter differences: $crate::glam::Vec4,
+                scatter counts: $crate::glam::Vec4,
+            }
             /// Estimates errors by the variance of means.
             noise_errors[256] = $crate::estimator::noise_errors {
                 uniform parameters: $crate::estimator::NoiseParams,

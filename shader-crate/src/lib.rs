@@ -7,7 +7,8 @@
 //! Reading order, along one sample: [`film::stream`] (which pixel a slot traces),
 //! [`integrator::path`] (the tracer), [`scene`] (what it hits: [`scene::bvh`], [`scene::bsdf`],
 //! [`scene::light`]), and back into the [`film`]. Between rounds, an [`estimator`] says where the
-//! film is wrong, and an [`allocator`] spends the next samples there.
+//! film is wrong, and an [`allocator`] spends the next samples there. After the last of them a
+//! [`reconstruction`] takes noise out of the picture.
 #![no_std]
 
 pub mod allocator;
@@ -19,6 +20,7 @@ pub mod math;
 pub mod memory;
 pub mod parallel;
 pub mod probe;
+pub mod reconstruction;
 pub mod scene;
 
 pub use spirv_std::glam;

@@ -4,4 +4,4 @@ mod devices;
 mod edges;
 mod forms;
 mod noise;
-mod walls;
+pub mod walls;

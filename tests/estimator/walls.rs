@@ -73,6 +73,7 @@ pub fn wall(
         estimates: None,
         corrections: None,
         splats: None,
+        denoised: None,
     }
 }
 
@@ -106,8 +107,8 @@ pub fn estimate_on<E: Executor>(
 ) -> Result<Estimates, ExecError> {
     let (width, height) = (film.width, film.height);
     let buffers = FilmBuffers::from_film(executor, film)?;
-    let estimation = EstimateBuffers::new(executor, FilmSize { width, height })?;
     let sampling = Sampling { estimation: *settings, ..*sampling };
+    let estimation = EstimateBuffers::new(executor, FilmSize { width, height }, &sampling)?;
     executor.run(&estimation.launches(&buffers, camera, &sampling, round))?;
     let errors = estimation.errors().read(executor)?;
     let rows = (0..width * height)

@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use raystream::image::ToneMap;
 use raystream::names::UnknownName;
-use raystream::render::{AllocatorKind, BvhQuality, Estimator, IntegratorKind};
+use raystream::render::{AllocatorKind, BvhQuality, Estimator, FilterKind, IntegratorKind};
 use std::str::FromStr;
 
 /// An enum of the library, with what `--help` says of each value.
@@ -55,8 +55,17 @@ choices! {
     Estimator {
         Bilateral: "The squared difference from the picture after a joint bilateral filter (Podee \
                     et al.)",
+        Nlm: "The squared difference from the picture after non-local means",
         Halves: "The squared difference of the means over two halves of the samples",
         Variance: "The variance of the pixel's mean",
+    }
+}
+
+choices! {
+    FilterKind {
+        Bilateral: "A joint bilateral filter: compares what the camera sees, and colours",
+        Nlm: "Non-local means: compares patches of the picture's halves",
+        Regression: "Planes in what the camera sees, fitted with such weights; slow",
     }
 }
 

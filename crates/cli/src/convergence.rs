@@ -11,7 +11,7 @@ use super::sampling::{EstimationArguments, RoundArguments};
 use clap::{Args, ValueEnum};
 use raystream::exec::device::Device;
 use raystream::render::{
-    AllocatorKind, Estimator, IntegratorKind, PreparedScene, Sampling, Settings,
+    AllocatorKind, Estimator, FilterKind, IntegratorKind, PreparedScene, Sampling, Settings,
 };
 use raystream::scene::Scene;
 use raystream_bench::convergence::{
@@ -59,6 +59,15 @@ pub struct ConvergenceArguments {
         default_value = "bilateral"
     )]
     estimators: Vec<Estimator>,
+    /// Filters of the picture, separated by commas: everything is measured without a filter and with
+    /// each of these, the time of filtering included.
+    #[arg(
+        long,
+        value_parser = choice::<FilterKind>(),
+        value_delimiter = ',',
+        value_name = "LIST"
+    )]
+    filters: Vec<FilterKind>,
     /// Measures of the error to use with each of them.
     #[arg(
         long,
@@ -208,6 +217,7 @@ impl ConvergenceArguments {
             &self.allocators,
             &self.estimators,
             &relative,
+            &self.filters,
         )
     }
 

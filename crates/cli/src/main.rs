@@ -11,6 +11,7 @@ mod bench;
 mod choices;
 mod compare;
 mod convergence;
+mod denoise;
 mod devices;
 mod effects;
 mod ending;
@@ -59,6 +60,8 @@ enum Command {
     Render(render::RenderArguments),
     /// Compare two pictures: RMSE, relMSE, ratio of the means.
     Compare(compare::CompareArguments),
+    /// Take noise out of a picture that was rendered before, here or by another renderer.
+    Denoise(denoise::DenoiseArguments),
     /// List the devices that can render.
     Devices(devices::DevicesArguments),
     /// List the scenes that ship with Raystream.
@@ -95,6 +98,7 @@ fn run(arguments: &Arguments, given: &Given) -> Result<Ending, CliError> {
     match &arguments.command {
         Command::Render(arguments) => render::run(arguments, given),
         Command::Compare(arguments) => compare::run(arguments, given),
+        Command::Denoise(arguments) => denoise::run(arguments),
         Command::Devices(arguments) => devices::run(arguments),
         Command::Scenes => scenes::run(),
         Command::Bench(command) => bench::run(command, given),

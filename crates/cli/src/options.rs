@@ -7,6 +7,7 @@ use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use raystream::exec::ExecError;
 use raystream::exec::device::{Device, OpenOptions};
+use raystream::image::{Display, ToneMap};
 use raystream::render::{
     BidirectionalTechniques, BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene,
     RenderError, Sampling, Settings,
@@ -56,6 +57,30 @@ impl DeviceArguments {
     /// Opens the device that was asked for.
     pub fn open(&self) -> Result<Device, ExecError> {
         Device::open_with(&self.device, self.open.options())
+    }
+}
+
+/// The options that say how a PNG shows a picture.
+#[derive(Args)]
+pub struct DisplayArguments {
+    /// Brightness of a PNG in stops: +1 doubles.
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "STOPS",
+        allow_negative_numbers = true,
+        value_parser = parse_exposure
+    )]
+    exposure: f32,
+    /// How a PNG shows what is brighter than its white.
+    #[arg(long, value_parser = choice::<ToneMap>(), default_value_t)]
+    tone_map: ToneMap,
+}
+
+impl DisplayArguments {
+    /// What was asked for.
+    pub fn display(&self) -> Display {
+        Display { exposure: self.exposure, tone_map: self.tone_map }
     }
 }
 
@@ -228,5 +253,12 @@ pub fn parse_seconds(text: &str) -> Result<Duration, String> {
         _ => Err(format!(
             "'{text}' is not a time in seconds between 0 and a year, such as 30 or 2.5"
         )),
+    }
+}
+
+fn parse_exposure(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
+        _ => Err(format!("'{text}' is not a number of stops between -100 and 100")),
     }
 }

@@ -5,7 +5,7 @@ use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
 use super::hints::with_hint;
 use super::interrupt;
-use super::options::{DeviceArguments, SettingsArguments, parse_seconds};
+use super::options::{DeviceArguments, DisplayArguments, SettingsArguments, parse_seconds};
 use super::output::{self, is_same_file, rate};
 use super::progress::ProgressDisplay;
 use super::sampling::{SamplingArguments, describe};
@@ -13,10 +13,11 @@ use clap::Args;
 use glam::Vec3;
 use raystream::exec::device::Device;
 use raystream::film::Film;
-use raystream::image::{self, Display, Format, ToneMap};
+use raystream::image::{self, Format};
 use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
-    Budget, Outcome, PreparedScene, RenderError, Renderer, Settings, Stop, run as render,
+    Budget, FilterKind, Outcome, PreparedScene, RenderError, Renderer, Settings, Stop,
+    run as render,
 };
 use raystream::scene::DEFAULT_SCENE;
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
@@ -47,18 +48,19 @@ pub struct RenderArguments {
     settings: SettingsArguments,
     #[command(flatten)]
     device: DeviceArguments,
-    /// Brightness of a PNG in stops: +1 doubles.
+    /// Take noise out of the picture with a filter [default filter: bilateral]. An EXR has the
+    /// result as the layer `denoised` beside everything else, a PNG shows it, and --noise means the
+    /// error that is left in it.
     #[arg(
         long,
-        default_value_t = 0.0,
-        value_name = "STOPS",
-        allow_negative_numbers = true,
-        value_parser = parse_exposure
+        value_name = "FILTER",
+        num_args = 0..=1,
+        default_missing_value = FilterKind::Bilateral.name(),
+        value_parser = choice::<FilterKind>()
     )]
-    exposure: f32,
-    /// How a PNG shows what is brighter than its white.
-    #[arg(long, value_parser = choice::<ToneMap>(), default_value_t)]
-    tone_map: ToneMap,
+    denoise: Option<FilterKind>,
+    #[command(flatten)]
+    display: DisplayArguments,
     /// Beside each .png picture, write its layers as pictures too: picture.samples.png (samples per
     /// pixel), picture.error.png (estimated error) and picture.filtered.png, where errors are
     /// estimated, picture.albedo.png, picture.normal.png and picture.depth.png.
@@ -88,8 +90,11 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
     let outputs = arguments.outputs(&scene.name);
     check_outputs(&outputs, arguments.png_layers)?;
     let device = arguments.device.open()?;
-    let mut settings =
-        Settings { sampling: arguments.sampling.sampling(), ..arguments.settings.settings(&scene) };
+    let mut settings = Settings {
+        sampling: arguments.sampling.sampling(),
+        denoise: arguments.denoise,
+        ..arguments.settings.settings(&scene)
+    };
     given.warn(&Facts {
         integrators: vec![settings.integrator],
         samplings: vec![settings.sampling],
@@ -132,6 +137,10 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
     }
     header.extend(arguments.settings.describe(&settings));
     header.extend(describe(&settings.sampling));
+    if let Some(filter) = settings.denoise {
+        header.push(("denoise".to_owned(), filter.to_string()));
+        arguments.say(&format!("filtered the picture ({filter})"));
+    }
     arguments.write(&outputs, &film, &header)?;
     Ok(if outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
 }
@@ -181,7 +190,7 @@ impl RenderArguments {
         film: &Film,
         header: &[(String, String)],
     ) -> Result<(), FigureError> {
-        let display = Display { exposure: self.exposure, tone_map: self.tone_map };
+        let display = self.display.display();
         // Where one cannot be written (a disk is full), the others still save the render.
         let mut written = Ok(());
         for path in outputs {
@@ -334,11 +343,4 @@ pub fn file_stem(name: &str) -> String {
         .collect();
     let stem = stem.trim_matches(['.', ' ']);
     if stem.is_empty() { "picture".into() } else { stem.into() }
-}
-
-fn parse_exposure(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(stops) if stops.abs() <= 100.0 => Ok(stops),
-        _ => Err(format!("'{text}' is not a number of stops between -100 and 100")),
-    }
 }

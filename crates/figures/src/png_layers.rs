@@ -161,6 +161,7 @@ mod tests {
             estimates: None,
             corrections: None,
             splats: None,
+            denoised: None,
         }
     }
 
@@ -230,6 +231,7 @@ mod tests {
             estimates: Some(vec![estimate(0.25), estimate(f32::INFINITY)]),
             corrections: None,
             splats: None,
+            denoised: None,
         }
     }
 
@@ -266,6 +268,7 @@ mod tests {
             estimates: None,
             corrections: None,
             splats: None,
+            denoised: None,
         };
         assert_eq!(write_png_layers(&path, &film, &Display::default()).unwrap().len(), 4);
     }

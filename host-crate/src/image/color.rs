@@ -15,8 +15,8 @@ pub struct ColorImage {
 }
 
 impl ColorImage {
-    /// The mean radiance of a film.
+    /// The picture of a film: the filtered one, if there is one, else its radiance.
     pub fn from_film(film: &Film) -> Self {
-        Self { width: film.width, height: film.height, pixels: film.color() }
+        Self { width: film.width, height: film.height, pixels: film.best() }
     }
 }

@@ -41,6 +41,8 @@ impl LayeredImage {
     /// | `depth.Z` | mean distance of the first surface from the camera, world units |
     /// | `samples.N` | samples of the pixel |
     /// | `filtered.R` ... `B` | the filtered picture, linear Rec.709; only with estimates |
+    /// | `denoised.R` ... `B` | the picture after `--denoise`, linear Rec.709; only with that |
+    /// | `denoised_error.V` | its estimated squared error, as `error.V` |
     /// | `error.V` | estimated squared error of the radiance, mean over R, G, B; with estimates |
     ///
     /// What light tracing found is in all pictures of radiance, but not in `variance` and `error`.
@@ -73,6 +75,12 @@ impl LayeredImage {
         if let Some(values) = film.squared_error() {
             channels.push(Channel { name: "error.V".into(), values });
         }
+        if let Some(denoised) = film.denoised() {
+            channels.extend(rgb("denoised.", &denoised));
+        }
+        if let Some(values) = film.denoised_error() {
+            channels.push(Channel { name: "denoised_error.V".into(), values });
+        }
         Ok(Self { width: film.width, height: film.height, channels })
     }
 
@@ -97,6 +105,7 @@ pub fn check_film(path: &Path, film: &Film) -> Result<(), ImageError> {
         ("the features", Some(film.features.len())),
         ("the estimates", film.estimates.as_ref().map(Vec::len)),
         ("the corrections", film.corrections.as_ref().map(Vec::len)),
+        ("the denoised picture", film.denoised.as_ref().map(Vec::len)),
         ("the splats", film.splats.as_ref().map(Vec::len)),
     ];
     for (what, values) in buffers {

@@ -6,6 +6,7 @@ use super::estimator::{Estimation, FilmSamples, Noise};
 use super::film::control::ControlFilm;
 use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
 use super::integrator::{self, Integrator, IntegratorContext};
+use super::reconstruction::{FilterView, FilteredPicture, Reconstruction};
 use super::round::batch::BatchSize;
 use super::round::launches::TimedLaunches;
 use super::round::plan::{self, Done, Limits, RoundPlan, plan};
@@ -37,6 +38,8 @@ pub struct Renderer<E: Executor = Device> {
     allocation: Allocation<E>,
     /// None where no half of the samples is one.
     control: Option<ControlFilm<E::Buffer>>,
+    /// None where the picture is not to be filtered.
+    reconstruction: Option<Reconstruction<E::Buffer>>,
     ray_counts: Array<E::Buffer, u32>,
     /// See [`Self::convergence`].
     convergence: f64,
@@ -73,7 +76,8 @@ impl<E: Executor> Renderer<E> {
             settings,
         };
         let integrator = create(&context, slots.len() as u32)?;
-        let sampling = settings.sampling;
+        let halves = settings.sampling.halves || settings.denoise.is_some();
+        let sampling = Sampling { halves, ..settings.sampling };
         let has_control = sampling.split() == Split::Control;
         let control = has_control.then(|| ControlFilm::new(&executor, settings.size));
         Ok(Self {
@@ -84,6 +88,7 @@ impl<E: Executor> Renderer<E> {
             sampling,
             allocation: Allocation::new(sampling.allocator, &executor, film.pixels())?,
             control: control.transpose()?,
+            reconstruction: reconstruction(&executor, settings)?,
             ray_counts: Array::zeroed(&executor, "ray counts", COUNTERS as usize)?,
             convergence: 0.0,
             state: DeviceState {
@@ -159,10 +164,35 @@ impl<E: Executor> Renderer<E> {
         }
     }
 
-    /// The noise of the picture so far; none where errors are not estimated, see [`Sampling`].
+    /// The noise of the picture so far, of the filtered one with [`Settings::denoise`]; none where
+    /// errors are not estimated, see [`Sampling`].
     pub fn noise(&mut self) -> Result<Option<Noise>, ExecError> {
         let samples = self.film_samples();
-        self.estimation.noise(&self.state, samples)
+        let noise = self.estimation.noise(&self.state, samples)?;
+        let (Some(noise), Some(reconstruction)) = (noise, &self.reconstruction) else {
+            return Ok(noise);
+        };
+        self.reconstruct(reconstruction)?;
+        self.estimation.noise_of(&self.state.executor, reconstruction.guarded()).map(|left| {
+            // Whether pixels want samples is said by what the allocator goes by.
+            left.map(|left| Noise { unconverged: noise.unconverged, ..left })
+        })
+    }
+
+    /// Filters the picture so far. Returns where the time went.
+    fn reconstruct(
+        &self,
+        reconstruction: &Reconstruction<E::Buffer>,
+    ) -> Result<Timings, ExecError> {
+        let mut launches = TimedLaunches::default();
+        let view = FilterView {
+            camera: self.state.parameters.camera,
+            mean_radiance: self.estimation.mean_radiance(),
+        };
+        let control = self.sampling.split() == Split::Control;
+        let filter = reconstruction.launches(&self.state.film, &view, control);
+        launches.add(filter, Part::Reconstruction);
+        launches.run(&self.state.executor)
     }
 
     /// Whether the picture's relative error is at most [`Sampling::noise`], or that of every pixel
@@ -224,19 +254,37 @@ impl<E: Executor> Renderer<E> {
         film.estimates = self.estimation.read(executor)?;
         let control = self.control.as_ref();
         film.corrections = control.map(|control| control.read(executor)).transpose()?;
+        let denoised = self.reconstruction.as_ref().map(|picture| picture.read(executor));
+        film.denoised = denoised.transpose()?;
         Ok(film)
     }
 
     /// Computes on the device what is to be added to the picture so that it is without bias, where
-    /// there is a control film: the last step before the film is read, which
+    /// there is a control film, and the filtered picture, where there is to be one: the last step before the film is read, which
     /// [`Self::film`] takes by itself. Returns where the time went.
     pub fn resolve(&self) -> Result<Timings, ExecError> {
         let mut launches = TimedLaunches::default();
         if let Some(control) = &self.control {
             launches.add(control.launches(&self.state.film), Part::Resolve);
         }
-        launches.run(&self.state.executor)
+        let mut timings = launches.run(&self.state.executor)?;
+        if let Some(reconstruction) = &self.reconstruction {
+            timings += self.reconstruct(reconstruction)?;
+        }
+        Ok(timings)
     }
+}
+
+/// What [`Settings::denoise`] asks for.
+fn reconstruction<E: Executor>(
+    executor: &E,
+    settings: &Settings,
+) -> Result<Option<Reconstruction<E::Buffer>>, ExecError> {
+    let create = |kind| {
+        let filter = settings.sampling.estimation.filter;
+        Reconstruction::new(executor, FilteredPicture::new(executor, settings.size, kind, filter)?)
+    };
+    settings.denoise.map(create).transpose()
 }
 
 /// A round under way: the caller takes it from batch to batch, and may look at the clock or tell

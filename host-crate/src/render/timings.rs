@@ -19,6 +19,8 @@ pub enum Part {
     Accumulation,
     /// Correcting the picture by the control film, at the end of a render.
     Resolve,
+    /// Filtering the picture, at the end of a render, or to know its error on the way.
+    Reconstruction,
 }
 
 named! {
@@ -29,6 +31,7 @@ named! {
         Tracing: "tracing",
         Accumulation: "accumulation",
         Resolve: "resolve",
+        Reconstruction: "reconstruction",
     }
 }
 
@@ -70,6 +73,11 @@ impl Timings {
     /// Time of [`Part::Resolve`].
     pub fn resolve(&self) -> Duration {
         self[Part::Resolve]
+    }
+
+    /// Time of [`Part::Reconstruction`].
+    pub fn reconstruction(&self) -> Duration {
+        self[Part::Reconstruction]
     }
 }
 

@@ -8,6 +8,7 @@
 //! A fifth factor, which can be switched off, looks at the colours themselves: what two pixels
 //! differ by beyond their noise is real. See `Centre::color_exponent`.
 
+use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::{Guide, mean_of_squares, unpack_normal};
 use crate::estimator::{ErrorForm, Estimate};
 use crate::film::FilmPixel;
@@ -86,11 +87,11 @@ pub fn filter_errors(
     *estimate = Estimate { filtered: Vec3::ZERO, squared_error: 0.0 };
     *error = 0.0;
     if guide.is_measured() {
-        let filtered = filter(params, guides, rank);
+        let filtered = filter::<false>(params, guides, rank);
         let mut squared_error = mean_of_squares(guide.color - filtered.color);
         if params.color != 0 {
             squared_error += filtered.shared_noise * filtered.variance
-                + unseen_part(contrast(params, guides, rank), guide.samples);
+                + unseen_part(contrast([params.width, params.height], guides, rank), guide.samples);
         }
         squared_error = params.form.unseen_light(&guide).max(squared_error);
         *estimate = Estimate { filtered: filtered.color, squared_error };
@@ -98,11 +99,29 @@ pub fn filter_errors(
     }
 }
 
+/// Kernel: the filtered colour of the pixel `lane` of the picture, for a
+/// [reconstruction](crate::reconstruction); black where nothing is measured.
+pub fn filter_picture(
+    lane: u32,
+    params: &FilterParams,
+    guides: &[Guide],
+    picture: &mut FilteredPixel,
+) {
+    *picture = if at(guides, lane).is_measured() {
+        let filtered = filter::<true>(params, guides, lane);
+        FilteredPixel { color: filtered.color, own: filtered.own }
+    } else {
+        FilteredPixel { color: Vec3::ZERO, own: 1.0 }
+    };
+}
+
 /// Weighted means about a pixel.
 struct Filtered {
     color: Vec3,
     /// Of the pixels' variances.
     variance: f32,
+    /// The pixel's own part: how far `color` follows the pixel's own.
+    own: f32,
     /// The part of the variance that the pixel's difference from `color` does not show. If the
     /// neighbours differ by noise of equal variance `v` alone, that difference has the variance
     /// `v (1 - 2 a + s)`: `a` is the pixel's own weight and `s` the sum of all squared weights, of
@@ -119,13 +138,17 @@ struct Filtered {
 /// of `1/n^2` of it on average. (Samples find some of these parts: an edge along an axis leaves a
 /// quarter of this.) The pixels have no variance by which one could know them, and beside a lamp
 /// they are the worst of a picture.
-fn unseen_part(contrast: f32, samples: u32) -> f32 {
+pub(super) fn unseen_part(contrast: f32, samples: u32) -> f32 {
     let n = samples as f32;
     contrast / (3.0 * n * n * n)
 }
 
 /// Filters the pixel of rank `rank`, which is measured.
-fn filter(params: &FilterParams, guides: &[Guide], rank: u32) -> Filtered {
+///
+/// The weights look at the pixel's colour, so that what is alike changes with it: with `FOLLOWS` its
+/// own part is not only its weight but the derivative of all, as if noise were alike in all
+/// components.
+fn filter<const FOLLOWS: bool>(params: &FilterParams, guides: &[Guide], rank: u32) -> Filtered {
     let guide = at(guides, rank);
     let centre = Centre::new(params, &guide);
     let (x, y) = pixel_of_rank(rank, params.width, params.height);
@@ -133,6 +156,7 @@ fn filter(params: &FilterParams, guides: &[Guide], rank: u32) -> Filtered {
     let bottom = (y + params.radius).min(params.height - 1);
     let (mut color, mut variance) = (guide.color, guide.variance);
     let (mut weights, mut squared_weights) = (1.0, 1.0);
+    let (mut slopes, mut sloped_colors) = (Vec3::ZERO, 0.0);
     let mut row = y - y.min(params.radius);
     while row <= bottom {
         let dy = row.max(y) - row.min(y);
@@ -153,30 +177,39 @@ fn filter(params: &FilterParams, guides: &[Guide], rank: u32) -> Filtered {
                 variance += tap.variance * weight;
                 weights += weight;
                 squared_weights += weight * weight;
+                if FOLLOWS && centre.color {
+                    let slope = (tap.color - guide.color) * (weight * centre.color_slope(&tap));
+                    slopes += slope;
+                    sloped_colors += slope.dot(tap.color);
+                }
             }
         }
         row += 1;
     }
     let own = 1.0 / weights;
+    let color = color * own;
+    let follows = (sloped_colors - slopes.dot(color)) * (own / 3.0);
     Filtered {
-        color: color * own,
+        color,
         variance: variance * own,
+        own: (own + follows).max(own).min(1.0),
         shared_noise: (2.0 - squared_weights * own) * own,
     }
 }
 
 /// The largest squared difference of colour between the pixel of rank `rank` and the eight next to
 /// it.
-fn contrast(params: &FilterParams, guides: &[Guide], rank: u32) -> f32 {
+pub(super) fn contrast(size: [u32; 2], guides: &[Guide], rank: u32) -> f32 {
     let color = at(guides, rank).color;
-    let (x, y) = pixel_of_rank(rank, params.width, params.height);
-    let (right, bottom) = ((x + 1).min(params.width - 1), (y + 1).min(params.height - 1));
+    let [width, height] = size;
+    let (x, y) = pixel_of_rank(rank, width, height);
+    let (right, bottom) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
     let mut largest = 0.0_f32;
     let mut row = y - y.min(1);
     while row <= bottom {
         let mut column = x - x.min(1);
         while column <= right {
-            let tap = at(guides, rank_of_pixel(column, row, params.width, params.height));
+            let tap = at(guides, rank_of_pixel(column, row, width, height));
             if tap.is_measured() {
                 largest = mean_of_squares(tap.color - color).max(largest);
             }
@@ -268,5 +301,17 @@ impl Centre {
         let difference = mean_of_squares(tap.color - self.guide.color);
         let excess = (difference - TOLERANCE * TOLERANCE * noise).max(0.0);
         0.5 * excess / (noise + self.color_floor)
+    }
+
+    /// By what [`Self::color_exponent`] falls, over the difference of colours, as the pixel's own
+    /// comes closer to that of `tap`.
+    fn color_slope(&self, tap: &Guide) -> f32 {
+        let noise = self.guide.variance + tap.variance;
+        let difference = mean_of_squares(tap.color - self.guide.color);
+        if difference > TOLERANCE * TOLERANCE * noise {
+            1.0 / (noise + self.color_floor)
+        } else {
+            0.0
+        }
     }
 }

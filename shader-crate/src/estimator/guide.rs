@@ -119,7 +119,7 @@ pub fn guide_of(film: &FilmPixel, features: &FeaturePixel, spread: u32) -> Guide
 }
 
 /// The variance of the mean, of at least two samples.
-fn mean_variance(film: &FilmPixel) -> f32 {
+pub(crate) fn mean_variance(film: &FilmPixel) -> f32 {
     let n = film.samples() as f32;
     let mean = film.sum() / n;
     let variance = (film.sum_of_squares / n - mean * mean).dot(Vec3::ONE) / (3.0 * (n - 1.0));
@@ -132,7 +132,7 @@ fn mean_variance(film: &FilmPixel) -> f32 {
 /// With `a` samples in one half and `b` in the other, the squared difference of their means has the
 /// expectation `v (1/a + 1/b)`, `v` being the variance of a sample; that of the mean is `v / (a +
 /// b)`. So the factor is `a b / (a + b)^2`: a quarter for equal halves.
-fn halves_variance(film: &FilmPixel) -> f32 {
+pub(crate) fn halves_variance(film: &FilmPixel) -> f32 {
     let (first, second) = (film.first_samples as f32, film.second_samples as f32);
     let n = first + second;
     let difference = film.first_sum / first - film.second_sum / second;

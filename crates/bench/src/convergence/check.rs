@@ -175,6 +175,7 @@ mod tests {
             estimates: None,
             corrections: None,
             splats: None,
+            denoised: None,
         }
     }
 

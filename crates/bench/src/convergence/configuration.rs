@@ -1,7 +1,8 @@
-//! What is measured against what: integrator, allocator, estimator, and the error's measure.
+//! What is measured against what: integrator, allocator, estimator, the error's measure, and the
+//! filter of the picture.
 
 use crate::each_once;
-use raystream::render::{AllocatorKind, Estimator, IntegratorKind, Sampling, Settings};
+use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind, Sampling, Settings};
 
 /// One way to spend samples, and who computes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -14,37 +15,43 @@ pub struct Configuration {
     pub estimator: Estimator,
     /// Whether errors are relative to the brightness of their pixel.
     pub relative: bool,
+    /// What takes noise out of the picture, if anything.
+    pub filter: Option<FilterKind>,
 }
 
 impl Configuration {
-    /// Every pixel equally: what the others with `integrator` are measured against.
+    /// Every pixel equally, and no filter: what the others with `integrator` are measured against.
     pub const fn uniform(integrator: IntegratorKind) -> Self {
         let Sampling { allocator, estimator, relative, .. } = Sampling::UNIFORM;
-        Self { integrator, allocator, estimator, relative }
+        Self { integrator, allocator, estimator, relative, filter: None }
     }
 
     /// For each integrator uniform sampling first, then every combination of the other three lists;
-    /// each once. So the first of all is what all are measured against.
+    /// all of these without a filter and with each of `filters`; each once. So the first of all is
+    /// what all are measured against.
     pub fn combinations(
         integrators: &[IntegratorKind],
         allocators: &[AllocatorKind],
         estimators: &[Estimator],
         relative: &[bool],
+        filters: &[FilterKind],
     ) -> Vec<Self> {
-        let adaptive = allocators.iter().filter(|&&allocator| allocator != AllocatorKind::Uniform);
-        let ways: Vec<_> = adaptive
-            .flat_map(|&allocator| estimators.iter().map(move |&estimator| (allocator, estimator)))
-            .flat_map(|way| relative.iter().map(move |&relative| (way, relative)))
-            .collect();
-        each_once(integrators.iter().flat_map(|&integrator| {
-            let with = move |&((allocator, estimator), relative): &_| Self {
-                integrator,
-                allocator,
-                estimator,
-                relative,
-            };
-            std::iter::once(Self::uniform(integrator)).chain(ways.iter().map(with))
-        }))
+        let mut all = Vec::new();
+        for &integrator in integrators {
+            let uniform = Self::uniform(integrator);
+            let mut ways = vec![uniform];
+            for &allocator in allocators.iter().filter(|&&a| a != AllocatorKind::Uniform) {
+                for &estimator in estimators {
+                    let way = |&relative| Self { allocator, estimator, relative, ..uniform };
+                    ways.extend(relative.iter().map(way));
+                }
+            }
+            for way in ways {
+                all.push(way);
+                all.extend(filters.iter().map(|&filter| Self { filter: Some(filter), ..way }));
+            }
+        }
+        each_once(all)
     }
 
     /// Whether this is uniform sampling, which asks no estimator.
@@ -52,13 +59,15 @@ impl Configuration {
         self.allocator == AllocatorKind::Uniform
     }
 
-    /// How samples are spent: `uniform`, `runs-bilateral`, `runs-bilateral-relative` ...
+    /// How samples are spent: `uniform`, `runs-bilateral`, `runs-bilateral-relative` ...; and what
+    /// the picture is filtered with: `uniform+nlm`.
     fn sampling_name(self) -> String {
+        let filter = self.filter.map_or_else(String::new, |filter| format!("+{filter}"));
         if self.is_uniform() {
-            return self.allocator.to_string();
+            return format!("{}{filter}", self.allocator);
         }
         let measure = if self.relative { "-relative" } else { "" };
-        format!("{}-{}{measure}", self.allocator.name(), self.estimator.name())
+        format!("{}-{}{measure}{filter}", self.allocator.name(), self.estimator.name())
     }
 
     /// What it is called among `all`: `runs-bilateral` where all have one integrator, else
@@ -78,7 +87,7 @@ impl Configuration {
             relative: self.relative,
             ..base
         };
-        Settings { integrator: self.integrator, sampling, ..*settings }
+        Settings { integrator: self.integrator, sampling, denoise: self.filter, ..*settings }
     }
 }
 
@@ -100,6 +109,7 @@ mod tests {
             &[Runs, Uniform, Atomic, Runs],
             &[Bilateral, Variance],
             &[false, true],
+            &[],
         );
         assert_eq!(
             names(&all),
@@ -117,7 +127,7 @@ mod tests {
         );
         assert!(all.iter().all(|c| c.integrator == Megakernel));
         assert_eq!(
-            Configuration::combinations(&[Lvc], &[Uniform], &[Bilateral], &[true]),
+            Configuration::combinations(&[Lvc], &[Uniform], &[Bilateral], &[true], &[]),
             [Configuration::uniform(Lvc)]
         );
     }
@@ -129,6 +139,7 @@ mod tests {
             &[Runs, Uniform],
             &[Bilateral, Variance],
             &[false],
+            &[],
         );
         assert_eq!(
             names(&all),
@@ -144,8 +155,27 @@ mod tests {
         assert_eq!(all[0], Configuration::uniform(Streaming));
         assert_eq!(all[3], Configuration::uniform(Lvc));
         assert_eq!(
-            names(&Configuration::combinations(&[Lvc, Lvc], &[Runs], &[Bilateral], &[true])),
+            names(&Configuration::combinations(&[Lvc, Lvc], &[Runs], &[Bilateral], &[true], &[])),
             ["uniform", "runs-bilateral-relative"]
         );
+    }
+
+    #[test]
+    fn everything_is_measured_with_and_without_filters() {
+        let filters = [FilterKind::Nlm, FilterKind::Bilateral, FilterKind::Nlm];
+        let all =
+            Configuration::combinations(&[Lvc], &[Uniform, Runs], &[Variance], &[false], &filters);
+        assert_eq!(
+            names(&all),
+            [
+                "uniform",
+                "uniform+nlm",
+                "uniform+bilateral",
+                "runs-variance",
+                "runs-variance+nlm",
+                "runs-variance+bilateral",
+            ]
+        );
+        assert_eq!(all[0], Configuration::uniform(Lvc));
     }
 }

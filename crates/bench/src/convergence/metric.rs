@@ -12,25 +12,38 @@ pub enum Metric {
     /// Without the worst 0.1 % of the pixels.
     #[serde(rename = "trimmed_rmse")]
     TrimmedRmse,
+    /// Squared errors by the squared brightness of their pixel, over all pixels.
+    #[serde(rename = "relative_mse")]
+    RelativeMse,
 }
 
 impl Metric {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Rmse, Self::TrimmedRmse];
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Rmse, Self::TrimmedRmse, Self::RelativeMse];
 
     /// The error of a point.
     pub fn of(self, point: &Point) -> f64 {
         match self {
             Self::Rmse => point.errors.rmse,
             Self::TrimmedRmse => point.errors.trimmed_rmse,
+            Self::RelativeMse => point.errors.relative_mse,
         }
     }
 
     /// Its name in titles.
     pub fn title(self) -> &'static str {
         match self {
-            Self::Rmse => "RMSE",
-            Self::TrimmedRmse => "RMSE without the worst 0.1 % of the pixels",
+            Self::Rmse => "RMSE (radiance)",
+            Self::TrimmedRmse => "RMSE without the worst 0.1 % of the pixels (radiance)",
+            Self::RelativeMse => "relative MSE",
+        }
+    }
+
+    /// The error of a point that the noise of a reference, an RMSE, is set against.
+    pub fn absolute(self, point: &Point) -> f64 {
+        match self {
+            Self::RelativeMse => point.errors.rmse,
+            Self::Rmse | Self::TrimmedRmse => self.of(point),
         }
     }
 

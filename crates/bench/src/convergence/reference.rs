@@ -222,6 +222,7 @@ mod tests {
                 estimates: None,
                 corrections: None,
                 splats: None,
+                denoised: None,
             }
         };
         let reference = Reference::of_halves(&film(1.0), &film(3.0), 4, IntegratorKind::Lvc);

@@ -88,11 +88,12 @@ fn write_plots(
     for (file, metric, x, x_title) in [
         ("convergence.svg", Metric::Rmse, seconds as fn(&super::Point) -> f64, "time in seconds"),
         ("convergence-trimmed.svg", Metric::TrimmedRmse, seconds, "time in seconds"),
+        ("convergence-relative.svg", Metric::RelativeMse, seconds, "time in seconds"),
         ("convergence-samples.svg", Metric::Rmse, samples, "samples per pixel"),
         ("convergence-trimmed-samples.svg", Metric::TrimmedRmse, samples, "samples per pixel"),
     ] {
-        let y_title = format!("{} (radiance)", metric.title());
-        folder.write(file, &plot::curves(&about.label, x_title, &y_title, &curves(metric, x))?)?;
+        let (y_title, curves) = (metric.title(), curves(metric, x));
+        folder.write(file, &plot::curves(&about.label, x_title, y_title, &curves)?)?;
     }
     let bars: Vec<plot::Bar> = breakdowns
         .iter()
@@ -184,6 +185,7 @@ fn short(metric: Metric) -> &'static str {
     match metric {
         Metric::Rmse => "",
         Metric::TrimmedRmse => " (trimmed)",
+        Metric::RelativeMse => " (relative)",
     }
 }
 

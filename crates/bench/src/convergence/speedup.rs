@@ -77,9 +77,7 @@ fn at_level(measured: &Measured, level: u32) -> Option<&Point> {
 
 /// Uniform sampling with the integrator of `of`.
 pub fn uniform_counterpart<'a>(measured: &'a [Measured], of: &Measured) -> Option<&'a Measured> {
-    measured.iter().find(|m| {
-        m.configuration.is_uniform() && m.configuration.integrator == of.configuration.integrator
-    })
+    measured.iter().find(|m| m.configuration == Configuration::uniform(of.configuration.integrator))
 }
 
 fn is_atomic_counterpart(atomic: &Measured, other: &Measured) -> bool {
@@ -101,7 +99,7 @@ fn speedup(
         [other, baseline].map(|m| crossing(&metric.over_samples(&m.curve), error).place());
     let ratio = |base: Option<f64>, own: Option<f64>| base.zip(own).map(|(base, own)| base / own);
     let missing = if own.note().is_empty() { base.note() } else { own.note() };
-    let limited = error < REFERENCE_MARGIN * noise;
+    let limited = metric.absolute(at) < REFERENCE_MARGIN * noise;
     Speedup {
         configuration: other.name.clone(),
         baseline: baseline.name.clone(),
@@ -242,7 +240,8 @@ mod tests {
         }
         assert!(!comparisons.speedups.iter().any(|s| s.configuration == s.baseline));
         for equal in comparisons.equal_time.iter().filter(|e| e.configuration == "runs-bilateral") {
-            close(equal.error_ratio, 2.0_f64.sqrt());
+            let is_squared = equal.metric == Metric::RelativeMse;
+            close(equal.error_ratio, if is_squared { 2.0 } else { 2.0_f64.sqrt() });
         }
         let smallest = &comparisons.smallest[1];
         close(smallest.time_ratio, 2.0);
@@ -300,11 +299,11 @@ mod tests {
             pairs(
                 comparisons.equal_time.iter().map(|e| (&*e.configuration, &*e.baseline)).collect()
             ),
-            4
+            2 * Metric::ALL.len()
         );
         assert_eq!(
             pairs(comparisons.smallest.iter().map(|s| (&*s.configuration, &*s.baseline)).collect()),
-            4
+            2 * Metric::ALL.len()
         );
     }
 

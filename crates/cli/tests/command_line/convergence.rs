@@ -27,6 +27,7 @@ fn everything_is_written() {
     let scene = out.join("cornell_ball@16x12");
     let files = [
         "breakdown.svg",
+        "convergence-relative.svg",
         "convergence-samples.svg",
         "convergence-trimmed-samples.svg",
         "convergence-trimmed.svg",
@@ -46,7 +47,7 @@ fn everything_is_written() {
     assert_eq!(rounds.iter().filter(|row| row["configuration"] == "uniform").count(), 6);
     assert!(rounds.iter().all(|row| number(row, "tracing_ms") > 0.0));
     let speedups = csv(&scene.join("speedups.csv"));
-    assert_eq!(speedups.len(), 2, "one level, with and without the worst pixels");
+    assert_eq!(speedups.len(), 3, "one level: all pixels, without the worst, and relative");
     assert!(
         speedups.iter().all(|row| row["uniform_samples"] == "4" && row["baseline"] == "uniform")
     );
@@ -138,6 +139,33 @@ fn the_reference_is_kept_and_checked() {
 }
 
 #[test]
+fn filters_are_measured_with_everything() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), &format!("{TINY} --filters nlm,bilateral")).succeeded();
+    let scene = folder.path().join("out/cornell_ball@16x12");
+    let curves = csv(&scene.join("curves.csv"));
+    let end = |name: &str| {
+        let rows = curves.iter().filter(|row| row["configuration"] == name);
+        rows.max_by_key(|row| row["checkpoint"].parse::<u32>().unwrap()).unwrap()
+    };
+    for sampling in ["uniform", "runs-bilateral"] {
+        let plain = end(sampling);
+        assert_eq!(number(plain, "reconstruction_seconds"), 0.0);
+        for filter in ["nlm", "bilateral"] {
+            let filtered = end(&format!("{sampling}+{filter}"));
+            assert_eq!(filtered["samples_per_pixel"], plain["samples_per_pixel"]);
+            assert!(number(filtered, "reconstruction_seconds") > 0.0, "{filtered:?}");
+            assert!(number(filtered, "rmse") != number(plain, "rmse"), "{filtered:?}");
+        }
+    }
+    let speedups = csv(&scene.join("speedups.csv"));
+    let metrics = speedups.iter().filter(|row| row["configuration"] == "uniform+nlm");
+    let metrics: Vec<_> = metrics.map(|row| (&*row["metric"], &*row["baseline"])).collect();
+    let expected = ["rmse", "trimmed_rmse", "relative_mse"].map(|metric| (metric, "uniform"));
+    assert_eq!(metrics, expected);
+}
+
+#[test]
 fn integrators_are_set_against_each_other() {
     let folder = tempfile::tempdir().unwrap();
     let command = "bench convergence cornell_ball@16x12 --device cpu --integrators streaming,lvc \
@@ -201,7 +229,7 @@ fn assert_compared(scene: &Path) {
         ("streaming-runs-bilateral", "streaming-atomic-bilateral"),
         ("streaming-runs-bilateral", "streaming-uniform"),
     ];
-    let expected: BTreeMap<_, _> = expected.map(|(a, b)| ((a.to_owned(), b.to_owned()), 4)).into();
+    let expected: BTreeMap<_, _> = expected.map(|(a, b)| ((a.to_owned(), b.to_owned()), 6)).into();
     assert_eq!(pairs, expected);
     for file in ["equal_time.csv", "smallest.csv"] {
         let rows = csv(&scene.join(file));

@@ -6,6 +6,7 @@ mod adaptive;
 mod commands;
 mod comparing;
 mod convergence;
+mod denoise;
 mod integrators;
 mod interrupt;
 mod kills;

@@ -126,6 +126,7 @@ pub(super) mod tests {
             estimates: None,
             corrections: None,
             splats: None,
+            denoised: None,
         }
     }
 

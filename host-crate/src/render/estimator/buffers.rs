@@ -2,7 +2,8 @@
 
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::{Band, FilmBuffers};
-use crate::render::settings::estimation::{Estimator, FilterSettings};
+use crate::render::reconstruction::{FilterView, FilteredPicture};
+use crate::render::settings::estimation::Estimator;
 use crate::render::settings::sampling::{AllocatorKind, Sampling};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
@@ -11,6 +12,7 @@ use raystream_shaders::estimator::guide::{Guide, GuideParams, HALVES, SUM_OF_SQU
 use raystream_shaders::estimator::{ErrorForm, ErrorTotal, Estimate, NoiseParams, TotalParams};
 use raystream_shaders::film::tiles::pixel_of_rank;
 use raystream_shaders::scene::camera::Camera;
+use std::ops::Range;
 
 /// What the largest buffer is called in errors.
 const GUIDES: &str = "what estimates the errors of so large a picture";
@@ -22,6 +24,8 @@ const ADDERS: u32 = 4096;
 pub struct EstimateBuffers<B> {
     size: FilmSize,
     guides: Array<B, Guide>,
+    /// What estimators by the difference from a filtered picture look at.
+    picture: Option<FilteredPicture<B>>,
     estimates: Array<B, Estimate>,
     errors: Array<B, f32>,
     totals: Array<B, ErrorTotal>,
@@ -49,7 +53,7 @@ pub struct Noise {
     pub mean_radiance: f64,
 }
 
-impl<B> EstimateBuffers<B> {
+impl<B: Send + Sync + 'static> EstimateBuffers<B> {
     /// Fails where a picture of `size` is too large for a device, whose kernels must be given all
     /// guides at once.
     pub fn check<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<(), ExecError> {
@@ -57,15 +61,25 @@ impl<B> EstimateBuffers<B> {
         executor.check_size(GUIDES, bytes)
     }
 
-    /// Buffers for a picture of `size`.
+    /// Buffers for a picture of `size`, for the estimator of `sampling`.
     ///
     /// # Errors
     /// If the device has no room for them, or cannot give them to a kernel as a whole.
-    pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
+    pub fn new<E: Executor<Buffer = B>>(
+        executor: &E,
+        size: FilmSize,
+        sampling: &Sampling,
+    ) -> Result<Self, ExecError> {
         let pixels = (size.width * size.height) as usize;
+        let picture = sampling
+            .estimator
+            .filter()
+            .map(|kind| FilteredPicture::new(executor, size, kind, sampling.estimation.filter));
         Ok(Self {
             size,
-            guides: Array::zeroed(executor, GUIDES, pixels)?,
+            // A filtered picture has guides of its own.
+            guides: Array::zeroed(executor, GUIDES, if picture.is_some() { 0 } else { pixels })?,
+            picture: picture.transpose()?,
             estimates: Array::zeroed(executor, "estimates", pixels)?,
             errors: Array::zeroed(executor, "errors", pixels)?,
             totals: Array::zeroed(executor, "sums of errors", ADDERS as usize)?,
@@ -82,54 +96,66 @@ impl<B> EstimateBuffers<B> {
         round: ComingRound,
     ) -> Vec<Launch<'a, B>> {
         let form = error_form(sampling, round);
-        let ranks =
-            |band: &Band<B>| band.first_rank as usize..band.first_rank as usize + band.film.len();
         // All guides come before the first estimate: those at a band's border look across it.
-        let guides = film.bands().iter().map(|band| {
-            let parameters = GuideParams {
-                threads: band.film.len() as u32,
-                spread: if sampling.estimator == Estimator::Halves {
-                    HALVES
-                } else {
-                    SUM_OF_SQUARES
-                },
-                ..GuideParams::zeroed()
-            };
-            kernels::make_guides(
-                &parameters,
-                band.film.view(),
-                band.features.view(),
-                self.guides.slice(ranks(band)),
-            )
-        });
-        let estimates = film.bands().iter().map(|band| {
-            let (threads, first_rank) = (band.film.len() as u32, band.first_rank);
-            let FilmSize { width, height } = self.size;
-            let guides = self.guides.view();
-            let estimates = self.estimates.slice(ranks(band));
-            let errors = self.errors.slice(ranks(band));
-            match sampling.estimator {
-                Estimator::Bilateral => {
-                    let shared = filter_params(&sampling.estimation.filter, camera, form);
-                    let parameters = FilterParams { threads, first_rank, ..shared };
-                    kernels::filter_errors(&parameters, guides, band.film.view(), estimates, errors)
-                }
-                Estimator::Halves | Estimator::Variance => {
-                    let smooth = u32::from(sampling.estimation.smooth);
-                    let parameters = NoiseParams {
-                        threads,
-                        first_rank,
-                        width,
-                        height,
-                        form,
-                        smooth,
-                        ..NoiseParams::zeroed()
-                    };
-                    kernels::noise_errors(&parameters, guides, band.film.view(), estimates, errors)
-                }
+        let mut launches = match &self.picture {
+            Some(picture) => {
+                let view = FilterView { camera: *camera, mean_radiance: round.mean_radiance };
+                picture.launches(film, &view)
             }
-        });
-        guides.chain(estimates).collect()
+            None => self.guide_launches(film, sampling.estimator),
+        };
+        let bands = film.bands().iter();
+        launches.extend(bands.map(|band| self.estimate_launch(band, camera, sampling, form)));
+        launches
+    }
+
+    fn guide_launches<'a>(
+        &'a self,
+        film: &'a FilmBuffers<B>,
+        estimator: Estimator,
+    ) -> Vec<Launch<'a, B>> {
+        let spread = if estimator == Estimator::Halves { HALVES } else { SUM_OF_SQUARES };
+        let of_band = |band: &'a Band<B>| {
+            let threads = band.film.len() as u32;
+            let parameters = GuideParams { threads, spread, ..GuideParams::zeroed() };
+            let guides = self.guides.slice(ranks(band));
+            kernels::make_guides(&parameters, band.film.view(), band.features.view(), guides)
+        };
+        film.bands().iter().map(of_band).collect()
+    }
+
+    fn estimate_launch<'a>(
+        &'a self,
+        band: &'a Band<B>,
+        camera: &Camera,
+        sampling: &Sampling,
+        form: ErrorForm,
+    ) -> Launch<'a, B> {
+        let (threads, first_rank) = (band.film.len() as u32, band.first_rank);
+        let FilmSize { width, height } = self.size;
+        let (guides, film) = (self.guides.view(), band.film.view());
+        let estimates = self.estimates.slice(ranks(band));
+        let errors = self.errors.slice(ranks(band));
+        let smooth = u32::from(sampling.estimation.smooth);
+        let noise = NoiseParams {
+            threads,
+            first_rank,
+            width,
+            height,
+            form,
+            smooth,
+            ..NoiseParams::zeroed()
+        };
+        if let Some(picture) = &self.picture {
+            let (guides, filtered) = (picture.inputs().guides.view(), picture.filtered().view());
+            return kernels::difference_errors(&noise, guides, filtered, film, estimates, errors);
+        }
+        if sampling.estimator == Estimator::Bilateral {
+            let shared = sampling.estimation.filter.parameters(camera, form);
+            let parameters = FilterParams { threads, first_rank, ..shared };
+            return kernels::filter_errors(&parameters, guides, film, estimates, errors);
+        }
+        kernels::noise_errors(&noise, guides, film, estimates, errors)
     }
 
     /// The allocators' errors, in rank order: at least 0, or
@@ -155,11 +181,22 @@ impl<B> EstimateBuffers<B> {
         executor: &E,
         mean_radiance: f32,
     ) -> Result<Noise, ExecError> {
+        self.noise_of(executor, &self.estimates, mean_radiance)
+    }
+
+    /// The same of `picture`, estimates of another picture of the film in rank order; pixels
+    /// converge by the last errors all the same.
+    pub fn noise_of<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        picture: &Array<B, Estimate>,
+        mean_radiance: f32,
+    ) -> Result<Noise, ExecError> {
         let pixels = self.errors.len() as u32;
         let parameters = TotalParams { threads: ADDERS, pixels, mean_radiance, pad: 0 };
         executor.run(&[kernels::total_errors(
             &parameters,
-            self.estimates.view(),
+            picture.view(),
             self.errors.view(),
             self.totals.view(),
         )])?;
@@ -175,6 +212,11 @@ impl<B> EstimateBuffers<B> {
     }
 }
 
+/// The ranks of a band's pixels.
+fn ranks<B>(band: &Band<B>) -> Range<usize> {
+    band.first_rank as usize..band.first_rank as usize + band.film.len()
+}
+
 /// How errors follow from estimates.
 fn error_form(sampling: &Sampling, round: ComingRound) -> ErrorForm {
     // Deficits are those of counts, which go by deviations.
@@ -184,24 +226,5 @@ fn error_form(sampling: &Sampling, round: ComingRound) -> ErrorForm {
         mean_radiance: round.mean_radiance,
         noise: sampling.noise.unwrap_or(0.0),
         relative: u32::from(sampling.relative),
-    }
-}
-
-/// The filter's parameters for the camera's picture, but for the pixels that a launch takes.
-fn filter_params(filter: &FilterSettings, camera: &Camera, form: ErrorForm) -> FilterParams {
-    let radius = filter.radius as f32;
-    FilterParams {
-        width: camera.width,
-        height: camera.height,
-        origin: camera.origin,
-        pixel_pitch: camera.right.length(),
-        form,
-        radius: filter.radius,
-        color: u32::from(filter.color),
-        pixel_sigma: 0.5 * radius,
-        position_sigma: filter.position_sigma * radius,
-        normal_sigma: filter.normal_sigma,
-        albedo_sigma: filter.albedo_sigma,
-        ..FilterParams::zeroed()
     }
 }

@@ -52,7 +52,7 @@ impl FilmSamples {
     }
 }
 
-impl<B> Estimation<B> {
+impl<B: Send + Sync + 'static> Estimation<B> {
     /// Of a picture of `size`; no memory of its size is asked for where `sampling` needs no errors.
     pub fn new<E: Executor<Buffer = B>>(
         executor: &E,
@@ -62,7 +62,9 @@ impl<B> Estimation<B> {
         let is_wanted = sampling.allocator != AllocatorKind::Uniform || sampling.noise.is_some();
         Ok(Self {
             sampling,
-            buffers: is_wanted.then(|| EstimateBuffers::new(executor, size)).transpose()?,
+            buffers: is_wanted
+                .then(|| EstimateBuffers::new(executor, size, &sampling))
+                .transpose()?,
             no_errors: Array::zeroed(executor, "no errors", 1)?,
             is_current: false,
             mean_radiance: None,
@@ -153,6 +155,24 @@ impl<B> Estimation<B> {
             return Ok(None);
         };
         buffers.noise(&state.executor, mean_radiance).map(Some)
+    }
+
+    /// The noise of another picture of the film, whose errors are estimated in rank order; none where
+    /// no mean radiance has been measured.
+    pub fn noise_of<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        picture: &Array<B, Estimate>,
+    ) -> Result<Option<Noise>, ExecError> {
+        let (Some(buffers), Some(mean_radiance)) = (&self.buffers, self.mean_radiance) else {
+            return Ok(None);
+        };
+        buffers.noise_of(executor, picture, mean_radiance).map(Some)
+    }
+
+    /// Mean radiance of the picture as the first round saw it; 0 where it has not been measured.
+    pub fn mean_radiance(&self) -> f32 {
+        self.mean_radiance.unwrap_or(0.0)
     }
 
     /// Brings the features of every pixel to as many camera rays as a picture of its samples

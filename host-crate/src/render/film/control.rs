@@ -35,24 +35,31 @@ impl<B> ControlFilm<B> {
 
     /// The launches after which the corrections are those of a film of this size.
     pub fn launches<'a>(&'a self, film: &'a FilmBuffers<B>) -> Vec<Launch<'a, B>> {
-        let FilmSize { width, height } = self.size;
-        let whole = ControlParams {
-            threads: width * height,
-            width,
-            height,
-            factor: 0.5 / (SIGMA * SIGMA),
-            radius: (CUT * SIGMA) as u32,
-            ..ControlParams::zeroed()
-        };
+        let (differences, counts) = self.differences();
+        let of_band = film.bands().iter().map(|band| {
+            let threads = band.film.len() as u32;
+            let first_rank = band.first_rank;
+            let parameters = ControlParams { threads, first_rank, ..self.whole() };
+            let film = band.film.view();
+            kernels::control_differences(&parameters, film, differences.view(), counts.view())
+        });
+        let mut launches: Vec<_> = of_band.collect();
+        launches.extend(self.spread());
+        launches
+    }
+
+    /// Where the differences that are to be spread are put, and the counts; see
+    /// [`control_differences`](raystream_shaders::film::control::control_differences).
+    pub fn differences(&self) -> (&Array<B, Vec4>, &Array<B, Vec4>) {
+        (&self.scratch, &self.guided)
+    }
+
+    /// The launches after which the corrections are those of the [differences](Self::differences).
+    pub fn spread(&self) -> [Launch<'_, B>; 7] {
+        let whole = self.whole();
         let along_rows = ControlParams { along_rows: 1, ..whole };
         let (guided, one, other) = (&self.guided, &self.scratch, &self.corrections);
-        let differences = film.bands().iter().map(|band| {
-            let threads = band.film.len() as u32;
-            let parameters = ControlParams { threads, first_rank: band.first_rank, ..whole };
-            kernels::control_differences(&parameters, band.film.view(), one.view(), guided.view())
-        });
-        let mut launches: Vec<_> = differences.collect();
-        launches.extend([
+        [
             kernels::control_guides(&whole, one.view(), guided.view()),
             kernels::blur(&along_rows, guided.view(), one.view()),
             kernels::blur(&whole, one.view(), other.view()),
@@ -60,8 +67,20 @@ impl<B> ControlFilm<B> {
             kernels::blur(&along_rows, one.view(), other.view()),
             kernels::blur(&whole, other.view(), one.view()),
             kernels::control_corrections(&whole, guided.view(), one.view(), other.view()),
-        ]);
-        launches
+        ]
+    }
+
+    /// The parameters of a pass over all pixels, along columns.
+    fn whole(&self) -> ControlParams {
+        let FilmSize { width, height } = self.size;
+        ControlParams {
+            threads: width * height,
+            width,
+            height,
+            factor: 0.5 / (SIGMA * SIGMA),
+            radius: (CUT * SIGMA) as u32,
+            ..ControlParams::zeroed()
+        }
     }
 
     /// Copies the corrections to the host, in rows.

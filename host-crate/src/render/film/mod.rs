@@ -121,8 +121,16 @@ impl<B> FilmBuffers<B> {
                 features[in_rows(offset)] = pixel;
             }
         }
-        let (estimates, corrections, splats) = (None, None, None);
-        Ok(Film { width, height, radiance, features, estimates, corrections, splats })
+        Ok(Film {
+            width,
+            height,
+            radiance,
+            features,
+            estimates: None,
+            corrections: None,
+            splats: None,
+            denoised: None,
+        })
     }
 }
 

@@ -1,6 +1,11 @@
 //! What users can set about the estimators.
 
 use crate::names::named;
+use crate::render::settings::reconstruction::FilterKind;
+use bytemuck::Zeroable;
+use raystream_shaders::estimator::ErrorForm;
+use raystream_shaders::estimator::bilateral::FilterParams;
+use raystream_shaders::scene::camera::Camera;
 
 /// What the error of a pixel is taken to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -8,6 +13,8 @@ pub enum Estimator {
     /// The squared difference from the picture after a joint bilateral filter (Podee et al.).
     #[default]
     Bilateral,
+    /// The squared difference from the picture after non-local means.
+    Nlm,
     /// The squared difference of the means over the two halves of the samples.
     Halves,
     /// The variance of the pixel's mean.
@@ -17,8 +24,20 @@ pub enum Estimator {
 named! {
     Estimator {
         Bilateral: "bilateral",
+        Nlm: "nlm",
         Halves: "halves",
         Variance: "variance",
+    }
+}
+
+impl Estimator {
+    /// The filter from whose picture differences are taken, where that is not the one within the
+    /// estimator `bilateral`.
+    pub fn filter(self) -> Option<FilterKind> {
+        match self {
+            Self::Nlm => Some(FilterKind::Nlm),
+            Self::Bilateral | Self::Halves | Self::Variance => None,
+        }
     }
 }
 
@@ -77,5 +96,24 @@ impl FilterSettings {
     /// The filter of Podee et al., which looks at features alone.
     pub fn paper() -> Self {
         Self { color: false, ..Self::DEFAULT }
+    }
+
+    /// A kernel's parameters for the camera's picture, but for the pixels that a launch takes.
+    pub(in crate::render) fn parameters(&self, camera: &Camera, form: ErrorForm) -> FilterParams {
+        let radius = self.radius as f32;
+        FilterParams {
+            width: camera.width,
+            height: camera.height,
+            origin: camera.origin,
+            pixel_pitch: camera.right.length(),
+            form,
+            radius: self.radius,
+            color: u32::from(self.color),
+            pixel_sigma: 0.5 * radius,
+            position_sigma: self.position_sigma * radius,
+            normal_sigma: self.normal_sigma,
+            albedo_sigma: self.albedo_sigma,
+            ..FilterParams::zeroed()
+        }
     }
 }

@@ -2,9 +2,11 @@
 
 pub mod estimation;
 pub mod light_cache;
+pub mod reconstruction;
 pub mod sampling;
 
 use self::light_cache::LightCacheSettings;
+use self::reconstruction::FilterKind;
 use self::sampling::Sampling;
 use super::scene::PreparedScene;
 use super::scene::camera::camera;
@@ -41,6 +43,9 @@ pub struct Settings {
     pub integrator: IntegratorKind,
     /// Settings of the integrator `lvc`.
     pub light_cache: LightCacheSettings,
+    /// What takes the noise out of the picture at the end, if anything. Samples are then split into
+    /// halves, and [`Sampling::noise`] means the error that is left.
+    pub denoise: Option<FilterKind>,
     /// Slots of the longest sample stream, at most 2^22 and by default as many: fewer take less
     /// memory, and bound how many paths an adaptive round traces.
     pub stream_slots: Option<u32>,
@@ -104,6 +109,7 @@ impl Settings {
             sampling: Sampling::default(),
             integrator: IntegratorKind::default(),
             light_cache: LightCacheSettings::default(),
+            denoise: None,
             stream_slots: None,
         }
     }

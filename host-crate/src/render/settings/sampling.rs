@@ -119,7 +119,11 @@ impl Sampling {
     pub fn split(&self) -> Split {
         if self.allocator == AllocatorKind::Runs {
             Split::Control
-        } else if self.halves || self.noise.is_some() || self.estimator == Estimator::Halves {
+        } else if self.halves
+            || self.noise.is_some()
+            || self.estimator == Estimator::Halves
+            || self.estimator.filter().is_some()
+        {
             Split::ByTurns
         } else {
             Split::Whole

@@ -1,0 +1,111 @@
+//! `raystream denoise`
+
+use super::choices::choice;
+use super::ending::{CliError, Ending};
+use super::options::{DeviceArguments, DisplayArguments};
+use super::output::{self, is_same_file};
+use clap::Args;
+use glam::Vec3;
+use raystream::denoise::{Denoising, NoisyPicture, denoise};
+use raystream::image::{self, Channel, ColorImage, Format, LayeredImage};
+use raystream::render::FilterKind;
+use std::path::{Path, PathBuf};
+
+/// The options of `raystream denoise`.
+#[derive(Args)]
+pub struct DenoiseArguments {
+    /// The picture: an EXR of Raystream, or one with the passes of another renderer (albedo, normal
+    /// and depth, as Cycles, pbrt and Mitsuba call them), or one of colours alone.
+    picture: PathBuf,
+    /// Where to write the result; .exr for all that the picture has and the layer `denoised`, .png
+    /// for a look. May be given several times.
+    #[arg(short, long, value_name = "FILE", required = true)]
+    output: Vec<PathBuf>,
+    /// The filter.
+    #[arg(long, value_parser = choice::<FilterKind>(), default_value_t)]
+    filter: FilterKind,
+    #[command(flatten)]
+    device: DeviceArguments,
+    #[command(flatten)]
+    display: DisplayArguments,
+    /// Say nothing but warnings and errors.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Takes noise out of a picture.
+pub fn run(arguments: &DenoiseArguments) -> Result<Ending, CliError> {
+    let path = &arguments.picture;
+    arguments.check_outputs()?;
+    let mut layers = image::read_layers(path)?;
+    let picture = NoisyPicture::from_layers(path, &layers)?;
+    let device = arguments.device.open()?;
+    let say = |line: &str| {
+        if !arguments.quiet {
+            output::say(line);
+        }
+    };
+    let known = picture.known();
+    say(&format!(
+        "{}: {}x{} pixels, colour{}{}; filter {} on {}",
+        path.display(),
+        picture.size().width,
+        picture.size().height,
+        known.iter().map(|name| format!(", {name}")).collect::<String>(),
+        if picture.variance.is_none() { "; noise estimated from the picture" } else { "" },
+        arguments.filter,
+        device.description()
+    ));
+    let denoising = Denoising { filter: arguments.filter, ..Denoising::default() };
+    let denoised = denoise(&device, &picture, &denoising)?;
+    let (width, height) = (layers.width, layers.height);
+    let image = ColorImage { width, height, pixels: denoised.color };
+    add_layers(&mut layers, &image.pixels, denoised.squared_error);
+    let mut header: Vec<_> = image::read_settings(path)?.into_iter().collect();
+    header.retain(|(key, _)| key != "denoise");
+    header.push(("denoise".to_owned(), arguments.filter.to_string()));
+    for path in &arguments.output {
+        match Format::of(path)? {
+            Format::Exr => image::write_layers(path, &layers, &header)?,
+            Format::Png => image::write_png(path, &image, &arguments.display.display())?,
+        }
+        say(&format!("wrote {}", path.display()));
+    }
+    Ok(Ending::Done)
+}
+
+impl DenoiseArguments {
+    /// Fails where the results could not be written, or one would replace the picture or another.
+    fn check_outputs(&self) -> Result<(), CliError> {
+        for (index, path) in self.output.iter().enumerate() {
+            image::check_writable(path)?;
+            let names_twice = |other: &PathBuf| is_same_file(other, path);
+            if names_twice(&self.picture) {
+                return Err(replaces(path, "would replace the picture; name another file"));
+            }
+            if self.output[..index].iter().any(names_twice) {
+                return Err(replaces(path, "names this file twice; name each once"));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn replaces(path: &Path, what: &str) -> CliError {
+    format!("{}: -o {what}", path.display()).into()
+}
+
+/// Adds the result to the layers, in the place of an earlier one.
+fn add_layers(layers: &mut LayeredImage, color: &[Vec3], squared_error: Vec<f32>) {
+    let is_earlier = |name: &str| {
+        name.rsplit_once('.')
+            .is_some_and(|(layer, _)| ["denoised", "denoised_error"].contains(&layer))
+    };
+    layers.channels.retain(|channel| !is_earlier(&channel.name));
+    let component = |(i, name): (usize, &str)| Channel {
+        name: format!("denoised.{name}"),
+        values: color.iter().map(|c| c[i]).collect(),
+    };
+    layers.channels.extend(["R", "G", "B"].into_iter().enumerate().map(component));
+    layers.channels.push(Channel { name: "denoised_error.V".to_owned(), values: squared_error });
+}

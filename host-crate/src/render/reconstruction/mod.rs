@@ -1,0 +1,231 @@
+//! Reconstruction on a device: from the film to a picture with less noise, and to the error that is
+//! left in it; see [`raystream_shaders::reconstruction`].
+//!
+//! [`FilteredPicture`] is what a filter makes of a film, for estimators. [`Reconstruction`] makes a
+//! picture to look at of that, by guard and mean.
+
+mod bilateral;
+mod inputs;
+mod nlm;
+mod regression;
+
+pub use inputs::{FilterInputs, FilterView};
+
+use self::bilateral::Bilateral;
+use self::nlm::Nlm;
+use self::regression::Regression;
+use super::film::FilmBuffers;
+use super::film::control::ControlFilm;
+use super::settings::estimation::FilterSettings;
+use super::settings::reconstruction::FilterKind;
+use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::scene::FilmSize;
+use bytemuck::Zeroable;
+use raystream_shaders::estimator::Estimate;
+use raystream_shaders::estimator::filtered::FilteredPixel;
+use raystream_shaders::film::tiles::pixel_of_rank;
+use raystream_shaders::reconstruction::mean::MeanParams;
+
+/// Standard deviation, in pixels, of the Gaussian over which the guard averages.
+const GUARD_SIGMA: f32 = 1.0;
+
+/// A filter: makes a picture with less noise of guides and halves.
+///
+/// What it makes need not converge: the guard, which is the same for all, sees to that. It owns
+/// the memory that it works in.
+pub trait Filter<B>: Send + Sync {
+    /// The launches after which `filtered`, in rank order, is the filtered picture of `inputs`.
+    fn launches<'a>(
+        &'a self,
+        inputs: &'a FilterInputs<B>,
+        view: &FilterView,
+        filtered: &'a Array<B, FilteredPixel>,
+    ) -> Vec<Launch<'a, B>>;
+}
+
+/// A filter for pictures of `size`; `settings` are those of `bilateral`.
+///
+/// # Errors
+/// If the device has no room for what it works in.
+pub fn create<E: Executor>(
+    executor: &E,
+    size: FilmSize,
+    kind: FilterKind,
+    settings: FilterSettings,
+) -> Result<Box<dyn Filter<E::Buffer>>, ExecError> {
+    Ok(match kind {
+        FilterKind::Bilateral => Box::new(Bilateral::new(settings)),
+        FilterKind::Nlm => Box::new(Nlm::new(executor, size)?),
+        FilterKind::Regression => Box::new(Regression::new(executor, size)?),
+    })
+}
+
+/// A filter, what it looks at, and what it makes of that.
+pub struct FilteredPicture<B> {
+    inputs: FilterInputs<B>,
+    filter: Box<dyn Filter<B>>,
+    filtered: Array<B, FilteredPixel>,
+}
+
+impl<B: Send + Sync + 'static> FilteredPicture<B> {
+    /// Of a picture of `size`, by [`create`] with the same arguments.
+    ///
+    /// # Errors
+    /// If the device has no room for it, or cannot give its parts to a kernel as a whole.
+    pub fn new<E: Executor<Buffer = B>>(
+        executor: &E,
+        size: FilmSize,
+        kind: FilterKind,
+        settings: FilterSettings,
+    ) -> Result<Self, ExecError> {
+        let filter = create(executor, size, kind, settings)?;
+        Self::with_filter(executor, size, filter)
+    }
+
+    /// The same with a filter of one's own.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn with_filter<E: Executor<Buffer = B>>(
+        executor: &E,
+        size: FilmSize,
+        filter: Box<dyn Filter<B>>,
+    ) -> Result<Self, ExecError> {
+        let pixels = (size.width * size.height) as usize;
+        let inputs = FilterInputs::new(executor, size)?;
+        let filtered = Array::zeroed(executor, "a filtered picture", pixels)?;
+        Ok(Self { inputs, filter, filtered })
+    }
+
+    /// What the filter looks at.
+    pub fn inputs(&self) -> &FilterInputs<B> {
+        &self.inputs
+    }
+
+    /// The filtered picture, in rank order.
+    pub fn filtered(&self) -> &Array<B, FilteredPixel> {
+        &self.filtered
+    }
+
+    /// The launches after which [`Self::filtered`] is that of `film`.
+    pub fn launches<'a>(
+        &'a self,
+        film: &'a FilmBuffers<B>,
+        view: &FilterView,
+    ) -> Vec<Launch<'a, B>> {
+        let mut launches = self.inputs.launches(film);
+        launches.extend(self.filter_launches(view));
+        launches
+    }
+
+    /// The same of the inputs as they are.
+    pub fn filter_launches<'a>(&'a self, view: &FilterView) -> Vec<Launch<'a, B>> {
+        self.filter.launches(&self.inputs, view, &self.filtered)
+    }
+}
+
+/// A filtered picture to look at: it converges to the truth, its mean is the right one, and the
+/// error that is left is known.
+pub struct Reconstruction<B> {
+    picture: FilteredPicture<B>,
+    guarded: Array<B, Estimate>,
+    mean: ControlFilm<B>,
+}
+
+impl<B: Send + Sync + 'static> Reconstruction<B> {
+    /// Of what a filter makes of a picture of `size`.
+    ///
+    /// # Errors
+    /// If the device has no room for it, or cannot give its parts to a kernel as a whole.
+    pub fn new<E: Executor<Buffer = B>>(
+        executor: &E,
+        picture: FilteredPicture<B>,
+    ) -> Result<Self, ExecError> {
+        let size = picture.inputs.size;
+        let pixels = (size.width * size.height) as usize;
+        Ok(Self {
+            picture,
+            guarded: Array::zeroed(executor, "a reconstructed picture", pixels)?,
+            mean: ControlFilm::new(executor, size)?,
+        })
+    }
+
+    /// What the filter looks at.
+    pub fn inputs(&self) -> &FilterInputs<B> {
+        &self.picture.inputs
+    }
+
+    /// Pictures and their squared errors, in rank order, before the mean is put right.
+    pub fn guarded(&self) -> &Array<B, Estimate> {
+        &self.guarded
+    }
+
+    /// The launches after which the picture is that of `film`. With `control` the first half of
+    /// the film's samples is a control film, whose mean is the right one.
+    pub fn launches<'a>(
+        &'a self,
+        film: &'a FilmBuffers<B>,
+        view: &FilterView,
+        control: bool,
+    ) -> Vec<Launch<'a, B>> {
+        let mut launches = self.picture.inputs.launches(film);
+        launches.extend(self.filter_launches(view, control));
+        launches
+    }
+
+    /// The same of the inputs as they are.
+    pub fn filter_launches<'a>(&'a self, view: &FilterView, control: bool) -> Vec<Launch<'a, B>> {
+        let FilteredPicture { inputs, filtered, .. } = &self.picture;
+        let parameters = inputs.parameters();
+        let mut launches = self.picture.filter_launches(view);
+        launches.push(kernels::guard_terms(
+            &parameters,
+            inputs.guides.view(),
+            filtered.view(),
+            inputs.rows.view(),
+        ));
+        launches.extend(inputs.blur(GUARD_SIGMA));
+        launches.push(kernels::guard(
+            &parameters,
+            inputs.guides.view(),
+            filtered.view(),
+            inputs.rows.view(),
+            self.guarded.view(),
+        ));
+        let parameters = MeanParams {
+            threads: parameters.threads,
+            width: parameters.width,
+            height: parameters.height,
+            control: u32::from(control),
+            ..MeanParams::zeroed()
+        };
+        let (differences, counts) = self.mean.differences();
+        launches.push(kernels::filtered_differences(
+            &parameters,
+            inputs.guides.view(),
+            inputs.first.view(),
+            self.guarded.view(),
+            differences.view(),
+            counts.view(),
+        ));
+        launches.extend(self.mean.spread());
+        launches
+    }
+
+    /// Copies the picture with its squared errors to the host, in rows.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<Estimate>, ExecError> {
+        let FilmSize { width, height } = self.picture.inputs.size;
+        let mut rows = vec![Estimate::zeroed(); self.guarded.len()];
+        for (rank, estimate) in self.guarded.read(executor)?.into_iter().enumerate() {
+            let (x, y) = pixel_of_rank(rank as u32, width, height);
+            rows[(y * width + x) as usize] = estimate;
+        }
+        for (pixel, correction) in rows.iter_mut().zip(self.mean.read(executor)?) {
+            pixel.filtered += correction;
+        }
+        Ok(rows)
+    }
+}
