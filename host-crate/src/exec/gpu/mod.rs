@@ -3,13 +3,14 @@
 mod adapters;
 mod clock;
 mod pipelines;
+mod spirv;
 
 pub(super) use adapters::Adapters;
 pub use pipelines::ShaderPath;
 
 use super::{ExecError, Executor, Kernel, Launch, Limits, kernels};
 use clock::Clock;
-use pipelines::Pipeline;
+use pipelines::{Pipeline, Shaders};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -74,13 +75,15 @@ impl GpuExecutor {
             device,
             queue,
         };
-        let module = pipelines::shader_module(&executor.device, path);
+        let unsuitable = |reason| ExecError::Unsuitable { device: executor.name.clone(), reason };
+        let shaders = Shaders::new(&executor.device, path).map_err(unsuitable)?;
         executor.check()?;
+        let mut pipelines = HashMap::new();
         for kernel in kernels::table::ALL {
-            executor
-                .pipelines
-                .insert(kernel.name, Pipeline::new(&executor.device, &module, kernel));
+            let pipeline = Pipeline::new(&executor.device, &shaders, kernel).map_err(unsuitable)?;
+            pipelines.insert(kernel.name, pipeline);
         }
+        executor.pipelines = pipelines;
         executor.check()?;
         Ok(executor)
     }

@@ -1,6 +1,7 @@
 //! The kernels as the driver gets them.
 
-use crate::exec::kernels::{SPIRV, table};
+use super::spirv;
+use crate::exec::kernels::SPIRV;
 use crate::exec::{Access, Kernel};
 
 /// How the kernels reach the driver.
@@ -13,32 +14,56 @@ pub enum ShaderPath {
     Naga,
 }
 
-/// The module of all kernels.
-pub fn shader_module(device: &wgpu::Device, path: ShaderPath) -> wgpu::ShaderModule {
-    let words: Vec<u32> = bytemuck::pod_collect_to_vec(SPIRV);
-    match path {
-        ShaderPath::Passthrough => {
-            let entry_points = table::ALL
-                .iter()
-                .map(|kernel| wgpu::PassthroughShaderEntryPoint {
-                    name: kernel.name.into(),
-                    workgroup_size: (kernel.workgroup_size, 1, 1),
-                })
-                .collect::<Vec<_>>();
-            let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
-                label: Some("kernels"),
-                entry_points: entry_points.into(),
-                spirv: Some(words.into()),
-                ..Default::default()
-            };
-            // SAFETY: the module was validated when it was compiled, its interface is compared with
-            // the table by a test, and every launch binds what the table says.
-            unsafe { device.create_shader_module_passthrough(descriptor) }
+/// Makes the modules of kernels.
+pub enum Shaders {
+    /// One for each kernel, see [`spirv`](super::spirv).
+    Passthrough(spirv::Kernels),
+    /// One for all.
+    Naga(wgpu::ShaderModule),
+}
+
+impl Shaders {
+    /// From the SPIR-V that was compiled.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    pub fn new(device: &wgpu::Device, path: ShaderPath) -> Result<Self, String> {
+        let words: Vec<u32> = bytemuck::pod_collect_to_vec(SPIRV);
+        match path {
+            ShaderPath::Passthrough => spirv::Kernels::parse(&words).map(Self::Passthrough),
+            ShaderPath::Naga => {
+                Ok(Self::Naga(device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                    label: Some("kernels"),
+                    source: wgpu::ShaderSource::SpirV(words.into()),
+                })))
+            }
         }
-        ShaderPath::Naga => device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("kernels"),
-            source: wgpu::ShaderSource::SpirV(words.into()),
-        }),
+    }
+
+    fn module_of(
+        &self,
+        device: &wgpu::Device,
+        kernel: &Kernel,
+    ) -> Result<wgpu::ShaderModule, String> {
+        let kernels = match self {
+            Self::Naga(module) => return Ok(module.clone()),
+            Self::Passthrough(kernels) => kernels,
+        };
+        let words = kernels.alone(kernel.name)?;
+        let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
+            label: Some(kernel.name),
+            entry_points: vec![wgpu::PassthroughShaderEntryPoint {
+                name: kernel.name.into(),
+                workgroup_size: (kernel.workgroup_size, 1, 1),
+            }]
+            .into(),
+            spirv: Some(words.into()),
+            ..Default::default()
+        };
+        // SAFETY: the module is a part of one that was validated when it was compiled, with all that
+        // it names; its interface is compared with the table by a test, and every launch binds what
+        // the table says.
+        Ok(unsafe { device.create_shader_module_passthrough(descriptor) })
     }
 }
 
@@ -49,8 +74,12 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Compiles `kernel`, which `module` has.
-    pub fn new(device: &wgpu::Device, module: &wgpu::ShaderModule, kernel: &Kernel) -> Self {
+    /// Compiles `kernel`.
+    ///
+    /// # Errors
+    /// Why `shaders` does not have it.
+    pub fn new(device: &wgpu::Device, shaders: &Shaders, kernel: &Kernel) -> Result<Self, String> {
+        let module = shaders.module_of(device, kernel)?;
         let layout = bind_group_layout(device, kernel);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(kernel.name),
@@ -60,7 +89,7 @@ impl Pipeline {
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(kernel.name),
             layout: Some(&pipeline_layout),
-            module,
+            module: &module,
             entry_point: Some(kernel.name),
             compilation_options: wgpu::PipelineCompilationOptions {
                 zero_initialize_workgroup_memory: false,
@@ -68,7 +97,7 @@ impl Pipeline {
             },
             cache: None,
         });
-        Self { pipeline, layout }
+        Ok(Self { pipeline, layout })
     }
 }
 

@@ -1,0 +1,144 @@
+//! A kernel's own part of the module of all kernels.
+//!
+//! NVIDIA's driver gives every pipeline the workgroup memory of all variables of its module,
+//! whichever kernels use them, and with it go registers and cache. So each pipeline is made of a
+//! module that has one entry point, the functions that it calls, and the variables that these name.
+
+use rspirv::binary::Assemble;
+use rspirv::dr::{Function, Instruction, Module, Operand, load_words};
+use rspirv::spirv::Op;
+use std::collections::{HashMap, HashSet};
+
+/// The module of all kernels, taken apart.
+pub struct Kernels {
+    module: Module,
+    /// Where each function is, by its id.
+    functions: HashMap<u32, usize>,
+}
+
+impl Kernels {
+    /// Takes `words` apart.
+    ///
+    /// # Errors
+    /// Why they are no SPIR-V.
+    pub fn parse(words: &[u32]) -> Result<Self, String> {
+        let module = load_words(words).map_err(|error| format!("its kernels: {error}"))?;
+        let functions = module.functions.iter().enumerate();
+        let functions = functions.filter_map(|(place, f)| Some((f.def_id()?, place))).collect();
+        Ok(Self { module, functions })
+    }
+
+    /// The module with the entry point `name` alone, as words.
+    ///
+    /// # Errors
+    /// That there is none of that name.
+    pub fn alone(&self, name: &str) -> Result<Vec<u32>, String> {
+        let is_named = |entry: &&Instruction| matches!(&entry.operands[2], Operand::LiteralString(text) if text == name);
+        let missing = || format!("there is no kernel '{name}'");
+        let entry = self.module.entry_points.iter().find(is_named).ok_or_else(missing)?;
+        let main = entry.operands[1].id_ref_any().ok_or_else(missing)?;
+        let kept = self.reached_from(main);
+        let functions: Vec<Function> =
+            kept.iter().map(|&place| self.module.functions[place].clone()).collect();
+        let named: HashSet<u32> = functions.iter().flat_map(ids).collect();
+        let is_needed = |global: &&Instruction| {
+            global.class.opcode != Op::Variable
+                || global.result_id.is_some_and(|id| named.contains(&id))
+        };
+        let module = &self.module;
+        let globals: Vec<Instruction> =
+            module.types_global_values.iter().filter(is_needed).cloned().collect();
+        let mut there: HashSet<u32> = functions.iter().flat_map(results).collect();
+        there.extend(globals.iter().filter_map(|global| global.result_id));
+        let is_there = |about: &&Instruction| {
+            let target = about.operands.first().and_then(Operand::id_ref_any);
+            target.is_none_or(|id| there.contains(&id))
+        };
+        let modes = module.execution_modes.iter();
+        let alone = Module {
+            entry_points: vec![entry.clone()],
+            execution_modes: modes
+                .filter(|mode| mode.operands[0].id_ref_any() == Some(main))
+                .cloned()
+                .collect(),
+            debug_names: module.debug_names.iter().filter(is_there).cloned().collect(),
+            annotations: module.annotations.iter().filter(is_there).cloned().collect(),
+            types_global_values: globals,
+            functions,
+            ..module.clone()
+        };
+        Ok(alone.assemble())
+    }
+
+    /// The places of a function and of all that it calls, in the module's order.
+    fn reached_from(&self, main: u32) -> Vec<usize> {
+        let (mut reached, mut next) = (HashSet::new(), vec![main]);
+        while let Some(id) = next.pop() {
+            let Some(&place) = self.functions.get(&id) else { continue };
+            if reached.insert(place) {
+                let calls = self.module.functions[place].all_inst_iter();
+                let calls = calls.filter(|call| call.class.opcode == Op::FunctionCall);
+                next.extend(calls.filter_map(|call| call.operands[0].id_ref_any()));
+            }
+        }
+        let mut places: Vec<usize> = reached.into_iter().collect();
+        places.sort_unstable();
+        places
+    }
+}
+
+/// All ids that a function's instructions name.
+fn ids(function: &Function) -> Vec<u32> {
+    let operands = function.all_inst_iter().flat_map(|instruction| &instruction.operands);
+    operands.filter_map(Operand::id_ref_any).collect()
+}
+
+/// All ids that a function's instructions define.
+fn results(function: &Function) -> Vec<u32> {
+    function.all_inst_iter().filter_map(|instruction| instruction.result_id).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exec::kernels::{SPIRV, table};
+
+    fn kernels() -> Kernels {
+        Kernels::parse(&bytemuck::pod_collect_to_vec(SPIRV)).unwrap()
+    }
+
+    #[test]
+    fn every_kernel_alone_is_a_module_with_one_entry_point_and_all_that_it_names() {
+        let kernels = kernels();
+        for kernel in table::ALL {
+            let alone = load_words(kernels.alone(kernel.name).unwrap()).unwrap();
+            assert_eq!(alone.entry_points.len(), 1, "{}", kernel.name);
+            let mut there: HashSet<u32> = alone.functions.iter().flat_map(results).collect();
+            there.extend(alone.types_global_values.iter().filter_map(|global| global.result_id));
+            there.extend(alone.ext_inst_imports.iter().filter_map(|import| import.result_id));
+            there.extend(alone.debug_string_source.iter().filter_map(|text| text.result_id));
+            let interface = alone.entry_points.iter().flat_map(|entry| &entry.operands);
+            let named = alone.functions.iter().flat_map(ids);
+            for id in named.chain(interface.filter_map(Operand::id_ref_any)) {
+                assert!(there.contains(&id), "{}: %{id}", kernel.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_kernel_whose_lanes_do_not_cooperate_has_no_workgroup_memory() {
+        use rspirv::spirv::StorageClass::Workgroup;
+        let kernels = kernels();
+        let variables = |name: &str| {
+            let alone = load_words(kernels.alone(name).unwrap()).unwrap();
+            let is_shared = |global: &&Instruction| {
+                global.operands.first() == Some(&Operand::StorageClass(Workgroup))
+                    && global.class.opcode == Op::Variable
+            };
+            alone.types_global_values.iter().filter(is_shared).count()
+        };
+        assert_eq!(variables("trace_paths"), 0);
+        assert_eq!(variables("sum_blocks"), 1);
+        assert!(kernels.alone("no such kernel").is_err());
+    }
+}
