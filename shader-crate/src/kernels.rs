@@ -410,15 +410,6 @@ macro_rules! for_each_kernel {
                 read guides: $crate::estimator::guide::Guide,
                 write picture: $crate::estimator::filtered::FilteredPixel,
             }
-            /// Estimates errors by the difference from a filtered picture.
-            difference_errors[256] = $crate::estimator::difference::difference_errors {
-                uniform parameters: $crate::estimator::NoiseParams,
-                read guides: $crate::estimator::guide::Guide,
-                read filtered: $crate::estimator::filtered::FilteredPixel,
-                read film: $crate::film::FilmPixel,
-                write estimates: $crate::estimator::Estimate,
-                write errors: f32,
-            }
             /// Makes the means of the two halves of samples, with their variances.
             make_halves[256] = $crate::reconstruction::halves::make_halves {
                 uniform parameters: $crate::reconstruction::PictureParams,

@@ -55,7 +55,6 @@ choices! {
     Estimator {
         Bilateral: "The squared difference from the picture after a joint bilateral filter (Podee \
                     et al.)",
-        Nlm: "The squared difference from the picture after non-local means",
         Halves: "The squared difference of the means over two halves of the samples",
         Variance: "The variance of the pixel's mean",
     }

@@ -244,6 +244,7 @@ impl ConvergenceArguments {
             ..Sampling::UNIFORM
         });
         Facts {
+            filters: self.filters.clone(),
             integrators,
             samplings: samplings.collect(),
             uses_integrator: self.integrators.is_empty() || self.reference_integrator.is_none(),

@@ -1,9 +1,11 @@
 //! `raystream denoise`
 
 use super::choices::choice;
+use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
 use super::options::{DeviceArguments, DisplayArguments};
 use super::output::{self, is_same_file};
+use super::render::is_png;
 use clap::Args;
 use glam::Vec3;
 use raystream::denoise::{Denoising, NoisyPicture, denoise};
@@ -34,12 +36,16 @@ pub struct DenoiseArguments {
 }
 
 /// Takes noise out of a picture.
-pub fn run(arguments: &DenoiseArguments) -> Result<Ending, CliError> {
+pub fn run(arguments: &DenoiseArguments, given: &Given) -> Result<Ending, CliError> {
     let path = &arguments.picture;
     arguments.check_outputs()?;
     let mut layers = image::read_layers(path)?;
     let picture = NoisyPicture::from_layers(path, &layers)?;
     let device = arguments.device.open()?;
+    given.warn(&Facts {
+        writes_png: arguments.output.iter().any(|path| is_png(path)),
+        ..Facts::of_device(&device)
+    });
     let say = |line: &str| {
         if !arguments.quiet {
             output::say(line);

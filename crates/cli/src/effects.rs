@@ -4,7 +4,7 @@ use super::output::say;
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 use raystream::exec::Device;
-use raystream::render::{AllocatorKind, Estimator, IntegratorKind, Sampling};
+use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind, Sampling};
 
 /// The options that stand on the command line, by their ids.
 pub struct Given(Vec<String>);
@@ -19,6 +19,8 @@ pub struct Facts {
     pub traces_paths: bool,
     /// Whether what `--integrator` names is used.
     pub uses_integrator: bool,
+    /// The filters of pictures.
+    pub filters: Vec<FilterKind>,
     /// Whether a GPU renders.
     pub on_gpu: bool,
     /// Whether a PNG is written.
@@ -34,6 +36,7 @@ impl Default for Facts {
             samplings: vec![Sampling::ADAPTIVE],
             traces_paths: true,
             uses_integrator: true,
+            filters: Vec::new(),
             on_gpu: true,
             writes_png: true,
             has_output: true,
@@ -49,6 +52,10 @@ impl Facts {
 
     fn is_adaptive(&self) -> bool {
         self.samplings.iter().any(|sampling| sampling.allocator != AllocatorKind::Uniform)
+    }
+
+    fn filters_bilaterally(&self) -> bool {
+        self.filters.contains(&FilterKind::Bilateral) || self.estimate_by(&[Estimator::Bilateral])
     }
 
     /// Whether errors are estimated by one of `estimators`.
@@ -68,10 +75,11 @@ impl Facts {
 
     /// Whether samples would be in halves only if somebody asked for that.
     fn has_no_halves(&self) -> bool {
-        self.samplings.iter().any(|sampling| {
-            Sampling { halves: true, ..*sampling }.split()
-                != Sampling { halves: false, ..*sampling }.split()
-        })
+        self.filters.is_empty()
+            && self.samplings.iter().any(|sampling| {
+                Sampling { halves: true, ..*sampling }.split()
+                    != Sampling { halves: false, ..*sampling }.split()
+            })
     }
 }
 
@@ -125,8 +133,8 @@ const RULES: &[Rule] = &[
             "filter_albedo",
             "filter_features_only",
         ],
-        has_effect: |facts| facts.estimate_by(&[Estimator::Bilateral]),
-        why: "where nothing asks for the errors of the estimator bilateral",
+        has_effect: Facts::filters_bilaterally,
+        why: "where neither the estimator nor the filter is bilateral",
     },
     Rule {
         options: &["no_smoothing"],
@@ -191,7 +199,10 @@ mod tests {
         "bvh",
         "cache",
         "checks",
+        "denoise",
         "device",
+        "filter",
+        "filters",
         "help",
         "integrators",
         "json",
@@ -199,6 +210,7 @@ mod tests {
         "max_memory",
         "noise",
         "output",
+        "picture",
         "png_layers",
         "quiet",
         "ray_offset",

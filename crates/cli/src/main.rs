@@ -98,7 +98,7 @@ fn run(arguments: &Arguments, given: &Given) -> Result<Ending, CliError> {
     match &arguments.command {
         Command::Render(arguments) => render::run(arguments, given),
         Command::Compare(arguments) => compare::run(arguments, given),
-        Command::Denoise(arguments) => denoise::run(arguments),
+        Command::Denoise(arguments) => denoise::run(arguments, given),
         Command::Devices(arguments) => devices::run(arguments),
         Command::Scenes => scenes::run(),
         Command::Bench(command) => bench::run(command, given),

@@ -96,6 +96,7 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
         ..arguments.settings.settings(&scene)
     };
     given.warn(&Facts {
+        filters: settings.denoise.into_iter().collect(),
         integrators: vec![settings.integrator],
         samplings: vec![settings.sampling],
         writes_png: outputs.iter().any(|path| is_png(path)),
@@ -330,7 +331,7 @@ fn check_layers(pictures: &[PathBuf]) -> Result<(), CliError> {
     Ok(())
 }
 
-fn is_png(path: &Path) -> bool {
+pub(super) fn is_png(path: &Path) -> bool {
     matches!(Format::of(path), Ok(Format::Png))
 }
 

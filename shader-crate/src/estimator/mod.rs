@@ -2,11 +2,9 @@
 //!
 //! An estimator gives an [`Estimate`]: a picture, and the squared error of the measured one.
 //! [`ErrorForm::of`] turns it into the number that allocators go by. The estimator `bilateral` is
-//! in [`crate::estimator::bilateral`]; those of the other filters are in
-//! [`crate::estimator::difference`]; `halves` and `variance` are here.
+//! in [`crate::estimator::bilateral`]; `halves` and `variance` are here.
 
 pub mod bilateral;
-pub mod difference;
 pub mod filtered;
 pub mod guide;
 
@@ -132,7 +130,7 @@ pub fn relative_error(color: Vec3, squared_error: f32, mean_radiance: f32) -> f3
 }
 
 device_struct! {
-    /// The parameters of [`noise_errors`] and of [`difference::difference_errors`]. 48 bytes.
+    /// The parameters of [`noise_errors`]. 48 bytes.
     pub struct NoiseParams {
         /// Pixels to estimate.
         pub threads: u32,

@@ -2,7 +2,6 @@
 
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::{Band, FilmBuffers};
-use crate::render::reconstruction::{FilterView, FilteredPicture};
 use crate::render::settings::estimation::Estimator;
 use crate::render::settings::sampling::{AllocatorKind, Sampling};
 use crate::scene::FilmSize;
@@ -24,8 +23,6 @@ const ADDERS: u32 = 4096;
 pub struct EstimateBuffers<B> {
     size: FilmSize,
     guides: Array<B, Guide>,
-    /// What estimators by the difference from a filtered picture look at.
-    picture: Option<FilteredPicture<B>>,
     estimates: Array<B, Estimate>,
     errors: Array<B, f32>,
     totals: Array<B, ErrorTotal>,
@@ -53,7 +50,7 @@ pub struct Noise {
     pub mean_radiance: f64,
 }
 
-impl<B: Send + Sync + 'static> EstimateBuffers<B> {
+impl<B> EstimateBuffers<B> {
     /// Fails where a picture of `size` is too large for a device, whose kernels must be given all
     /// guides at once.
     pub fn check<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<(), ExecError> {
@@ -61,25 +58,15 @@ impl<B: Send + Sync + 'static> EstimateBuffers<B> {
         executor.check_size(GUIDES, bytes)
     }
 
-    /// Buffers for a picture of `size`, for the estimator of `sampling`.
+    /// Buffers for a picture of `size`.
     ///
     /// # Errors
     /// If the device has no room for them, or cannot give them to a kernel as a whole.
-    pub fn new<E: Executor<Buffer = B>>(
-        executor: &E,
-        size: FilmSize,
-        sampling: &Sampling,
-    ) -> Result<Self, ExecError> {
+    pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
         let pixels = (size.width * size.height) as usize;
-        let picture = sampling
-            .estimator
-            .filter()
-            .map(|kind| FilteredPicture::new(executor, size, kind, sampling.estimation.filter));
         Ok(Self {
             size,
-            // A filtered picture has guides of its own.
-            guides: Array::zeroed(executor, GUIDES, if picture.is_some() { 0 } else { pixels })?,
-            picture: picture.transpose()?,
+            guides: Array::zeroed(executor, GUIDES, pixels)?,
             estimates: Array::zeroed(executor, "estimates", pixels)?,
             errors: Array::zeroed(executor, "errors", pixels)?,
             totals: Array::zeroed(executor, "sums of errors", ADDERS as usize)?,
@@ -97,13 +84,7 @@ impl<B: Send + Sync + 'static> EstimateBuffers<B> {
     ) -> Vec<Launch<'a, B>> {
         let form = error_form(sampling, round);
         // All guides come before the first estimate: those at a band's border look across it.
-        let mut launches = match &self.picture {
-            Some(picture) => {
-                let view = FilterView { camera: *camera, mean_radiance: round.mean_radiance };
-                picture.launches(film, &view)
-            }
-            None => self.guide_launches(film, sampling.estimator),
-        };
+        let mut launches = self.guide_launches(film, sampling.estimator);
         let bands = film.bands().iter();
         launches.extend(bands.map(|band| self.estimate_launch(band, camera, sampling, form)));
         launches
@@ -146,10 +127,6 @@ impl<B: Send + Sync + 'static> EstimateBuffers<B> {
             smooth,
             ..NoiseParams::zeroed()
         };
-        if let Some(picture) = &self.picture {
-            let (guides, filtered) = (picture.inputs().guides.view(), picture.filtered().view());
-            return kernels::difference_errors(&noise, guides, filtered, film, estimates, errors);
-        }
         if sampling.estimator == Estimator::Bilateral {
             let shared = sampling.estimation.filter.parameters(camera, form);
             let parameters = FilterParams { threads, first_rank, ..shared };

@@ -52,7 +52,7 @@ impl FilmSamples {
     }
 }
 
-impl<B: Send + Sync + 'static> Estimation<B> {
+impl<B> Estimation<B> {
     /// Of a picture of `size`; no memory of its size is asked for where `sampling` needs no errors.
     pub fn new<E: Executor<Buffer = B>>(
         executor: &E,
@@ -62,9 +62,7 @@ impl<B: Send + Sync + 'static> Estimation<B> {
         let is_wanted = sampling.allocator != AllocatorKind::Uniform || sampling.noise.is_some();
         Ok(Self {
             sampling,
-            buffers: is_wanted
-                .then(|| EstimateBuffers::new(executor, size, &sampling))
-                .transpose()?,
+            buffers: is_wanted.then(|| EstimateBuffers::new(executor, size)).transpose()?,
             no_errors: Array::zeroed(executor, "no errors", 1)?,
             is_current: false,
             mean_radiance: None,

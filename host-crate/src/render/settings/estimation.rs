@@ -1,7 +1,6 @@
 //! What users can set about the estimators.
 
 use crate::names::named;
-use crate::render::settings::reconstruction::FilterKind;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::ErrorForm;
 use raystream_shaders::estimator::bilateral::FilterParams;
@@ -13,8 +12,6 @@ pub enum Estimator {
     /// The squared difference from the picture after a joint bilateral filter (Podee et al.).
     #[default]
     Bilateral,
-    /// The squared difference from the picture after non-local means.
-    Nlm,
     /// The squared difference of the means over the two halves of the samples.
     Halves,
     /// The variance of the pixel's mean.
@@ -24,20 +21,8 @@ pub enum Estimator {
 named! {
     Estimator {
         Bilateral: "bilateral",
-        Nlm: "nlm",
         Halves: "halves",
         Variance: "variance",
-    }
-}
-
-impl Estimator {
-    /// The filter from whose picture differences are taken, where that is not the one within the
-    /// estimator `bilateral`.
-    pub fn filter(self) -> Option<FilterKind> {
-        match self {
-            Self::Nlm => Some(FilterKind::Nlm),
-            Self::Bilateral | Self::Halves | Self::Variance => None,
-        }
     }
 }
 

@@ -119,11 +119,7 @@ impl Sampling {
     pub fn split(&self) -> Split {
         if self.allocator == AllocatorKind::Runs {
             Split::Control
-        } else if self.halves
-            || self.noise.is_some()
-            || self.estimator == Estimator::Halves
-            || self.estimator.filter().is_some()
-        {
+        } else if self.halves || self.noise.is_some() || self.estimator == Estimator::Halves {
             Split::ByTurns
         } else {
             Split::Whole
