@@ -17,7 +17,7 @@ pub enum ShaderPath {
 /// Makes the modules of kernels.
 pub enum Shaders {
     /// One for each kernel, see [`spirv`](super::spirv).
-    Passthrough(spirv::Kernels),
+    Passthrough(Box<spirv::Kernels>),
     /// One for all.
     Naga(wgpu::ShaderModule),
 }
@@ -30,7 +30,9 @@ impl Shaders {
     pub fn new(device: &wgpu::Device, path: ShaderPath) -> Result<Self, String> {
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(SPIRV);
         match path {
-            ShaderPath::Passthrough => spirv::Kernels::parse(&words).map(Self::Passthrough),
+            ShaderPath::Passthrough => {
+                spirv::Kernels::parse(&words).map(|kernels| Self::Passthrough(Box::new(kernels)))
+            }
             ShaderPath::Naga => {
                 Ok(Self::Naga(device.create_shader_module(wgpu::ShaderModuleDescriptor {
                     label: Some("kernels"),
