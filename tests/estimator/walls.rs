@@ -108,7 +108,7 @@ pub fn estimate_on<E: Executor>(
     let (width, height) = (film.width, film.height);
     let buffers = FilmBuffers::from_film(executor, film)?;
     let sampling = Sampling { estimation: *settings, ..*sampling };
-    let estimation = EstimateBuffers::new(executor, FilmSize { width, height }, &sampling)?;
+    let estimation = EstimateBuffers::new(executor, FilmSize { width, height })?;
     executor.run(&estimation.launches(&buffers, camera, &sampling, round))?;
     let errors = estimation.errors().read(executor)?;
     let rows = (0..width * height)
