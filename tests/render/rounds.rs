@@ -3,7 +3,7 @@
 use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::kernels::table;
-use raystream::render::{Budget, Renderer, Sampling, Settings, Stop, run};
+use raystream::render::{Budget, Progress, Renderer, Sampling, Settings, Stop, run};
 use raystream::scene::FilmSize;
 use raystream_tests::executors::Hindered;
 use raystream_tests::{prepare, render, scenes, settings};
@@ -40,10 +40,15 @@ fn time_is_kept_to_within_a_batch() {
         let settings = Settings { sampling, ..Settings::for_scene(&scene) };
         let mut renderer = Renderer::new(&device, &prepared, &settings).unwrap();
         let time = Duration::from_millis(700);
-        let outcome = run(&mut renderer, Budget::time(time), &|| false, &mut |_| ()).unwrap();
+        let (mut longest, mut before) = (Duration::ZERO, Duration::ZERO);
+        let mut observe = |progress: &Progress| {
+            longest = longest.max(progress.elapsed - before);
+            before = progress.elapsed;
+        };
+        let outcome = run(&mut renderer, Budget::time(time), &|| false, &mut observe).unwrap();
         assert_eq!(outcome.stop, Stop::Time);
-        // A batch on a busy machine may take some more.
-        assert!(outcome.elapsed < Duration::from_millis(1500), "{:?}", outcome.elapsed);
+        // What follows the last batch takes less than one. A busy machine makes all of them longer.
+        assert!(outcome.elapsed < time + 2 * longest, "{:?}, {longest:?}", outcome.elapsed);
         let film = renderer.film().unwrap();
         let samples: u64 = film.samples().into_iter().map(u64::from).sum();
         assert_eq!(samples, outcome.paths, "what is counted is in the film");

@@ -1,5 +1,6 @@
 //! What a driver makes of each kernel: registers, spills and whatever else it tells.
 
+use crate::spirv::Kernels;
 use anyhow::{Context, Result, ensure};
 use ash::vk;
 use std::ffi::CString;
@@ -10,7 +11,7 @@ use std::path::Path;
 const BINDINGS: u32 = 13;
 
 /// Prints a line for each kernel of the SPIR-V `module`, as the Vulkan driver of the first GPU
-/// compiles it: its name, then `statistic=value` for every statistic of the driver
+/// compiles its module: its name, then `statistic=value` for every statistic of the driver
 /// (`VK_KHR_pipeline_executable_properties`).
 ///
 /// # Errors
@@ -23,10 +24,12 @@ pub fn print(module: &Path) -> Result<()> {
         bytes.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
     let parsed = rspirv::dr::load_words(&words)
         .map_err(|error| anyhow::anyhow!("{}: {error}", module.display()))?;
+    let kernels = Kernels::parse(&words).map_err(anyhow::Error::msg)?;
     let driver = Driver::open()?;
     for entry in &parsed.entry_points {
         let name = entry.operands[2].unwrap_literal_string();
-        println!("{name} {}", driver.statistics(&words, name)?);
+        let alone = kernels.alone(name).map_err(anyhow::Error::msg)?;
+        println!("{name} {}", driver.statistics(&alone, name)?);
     }
     Ok(())
 }
