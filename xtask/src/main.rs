@@ -13,9 +13,6 @@ mod module;
 mod pipelines;
 mod renders;
 mod shaders;
-/// What the library gives the driver.
-#[path = "../../host-crate/src/exec/gpu/spirv.rs"]
-mod spirv;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -1,6 +1,5 @@
 //! What a driver makes of each kernel: registers, spills and whatever else it tells.
 
-use crate::spirv::Kernels;
 use anyhow::{Context, Result, ensure};
 use ash::vk;
 use std::ffi::CString;
@@ -11,7 +10,7 @@ use std::path::Path;
 const BINDINGS: u32 = 13;
 
 /// Prints a line for each kernel of the SPIR-V `module`, as the Vulkan driver of the first GPU
-/// compiles its module: its name, then `statistic=value` for every statistic of the driver
+/// compiles it: its name, then `statistic=value` for every statistic of the driver
 /// (`VK_KHR_pipeline_executable_properties`).
 ///
 /// # Errors
@@ -24,12 +23,10 @@ pub fn print(module: &Path) -> Result<()> {
         bytes.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
     let parsed = rspirv::dr::load_words(&words)
         .map_err(|error| anyhow::anyhow!("{}: {error}", module.display()))?;
-    let kernels = Kernels::parse(&words).map_err(anyhow::Error::msg)?;
     let driver = Driver::open()?;
     for entry in &parsed.entry_points {
         let name = entry.operands[2].unwrap_literal_string();
-        let alone = kernels.alone(name).map_err(anyhow::Error::msg)?;
-        println!("{name} {}", driver.statistics(&alone, name)?);
+        println!("{name} {}", driver.statistics(&words, name)?);
     }
     Ok(())
 }
