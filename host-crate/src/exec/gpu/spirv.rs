@@ -56,16 +56,22 @@ impl Kernels {
         };
         let modes = module.execution_modes.iter();
         let alone = Module {
+            header: module.header.clone(),
+            capabilities: module.capabilities.clone(),
+            extensions: module.extensions.clone(),
+            ext_inst_imports: module.ext_inst_imports.clone(),
+            memory_model: module.memory_model.clone(),
             entry_points: vec![entry.clone()],
             execution_modes: modes
                 .filter(|mode| mode.operands[0].id_ref_any() == Some(main))
                 .cloned()
                 .collect(),
+            debug_string_source: module.debug_string_source.clone(),
+            debug_module_processed: module.debug_module_processed.clone(),
             debug_names: module.debug_names.iter().filter(is_there).cloned().collect(),
             annotations: module.annotations.iter().filter(is_there).cloned().collect(),
             types_global_values: globals,
             functions,
-            ..module.clone()
         };
         Ok(alone.assemble())
     }
