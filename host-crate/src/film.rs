@@ -32,6 +32,25 @@ pub struct Film {
 }
 
 impl Film {
+    /// A film of samples and features alone, as the fields of these names have them.
+    pub fn new(
+        width: u32,
+        height: u32,
+        radiance: Vec<FilmPixel>,
+        features: Vec<FeaturePixel>,
+    ) -> Self {
+        Self {
+            width,
+            height,
+            radiance,
+            features,
+            estimates: None,
+            corrections: None,
+            splats: None,
+            denoised: None,
+        }
+    }
+
     /// The picture: radiance of each pixel, linear Rec.709; what light tracing found, if anything,
     /// where there is no sample. It is [`Self::plain`] with the corrections added, where there are
     /// any; then a component that is noisy and dark may be a little below 0.

@@ -65,16 +65,7 @@ pub fn wall(
             samples,
         }
     };
-    Film {
-        width,
-        height,
-        radiance: pixels.clone().map(film).collect(),
-        features: pixels.map(features).collect(),
-        estimates: None,
-        corrections: None,
-        splats: None,
-        denoised: None,
-    }
+    Film::new(width, height, pixels.clone().map(film).collect(), pixels.map(features).collect())
 }
 
 /// What an estimator made of a film, in rows.

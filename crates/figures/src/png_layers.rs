@@ -153,16 +153,12 @@ mod tests {
             ..Default::default()
         };
         let pixels = width * height;
-        Film {
+        Film::new(
             width,
             height,
-            radiance: (0..pixels).map(radiance).collect(),
-            features: (0..pixels).map(features).collect(),
-            estimates: None,
-            corrections: None,
-            splats: None,
-            denoised: None,
-        }
+            (0..pixels).map(radiance).collect(),
+            (0..pixels).map(features).collect(),
+        )
     }
 
     /// [`film`], with estimates that differ.
@@ -224,14 +220,13 @@ mod tests {
         let estimate =
             |squared_error| Estimate { filtered: Vec3::new(0.5, 0.0, 1.0), squared_error };
         Film {
-            width: 2,
-            height: 1,
-            radiance: vec![seen, FilmPixel::default()],
-            features: vec![surface, FeaturePixel::default()],
             estimates: Some(vec![estimate(0.25), estimate(f32::INFINITY)]),
-            corrections: None,
-            splats: None,
-            denoised: None,
+            ..Film::new(
+                2,
+                1,
+                vec![seen, FilmPixel::default()],
+                vec![surface, FeaturePixel::default()],
+            )
         }
     }
 
@@ -260,16 +255,8 @@ mod tests {
     fn a_film_without_samples() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let film = Film {
-            width: 4,
-            height: 3,
-            radiance: vec![FilmPixel::default(); 12],
-            features: vec![FeaturePixel::default(); 12],
-            estimates: None,
-            corrections: None,
-            splats: None,
-            denoised: None,
-        };
+        let film =
+            Film::new(4, 3, vec![FilmPixel::default(); 12], vec![FeaturePixel::default(); 12]);
         assert_eq!(write_png_layers(&path, &film, &Display::default()).unwrap().len(), 4);
     }
 

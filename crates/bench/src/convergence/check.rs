@@ -167,16 +167,7 @@ mod tests {
             sum_of_squares: Vec3::splat(9.0 * (value * value + 0.36)),
             ..Default::default()
         };
-        Film {
-            width: 10,
-            height: 10,
-            radiance: vec![pixel; 100],
-            features: Vec::new(),
-            estimates: None,
-            corrections: None,
-            splats: None,
-            denoised: None,
-        }
+        Film::new(10, 10, vec![pixel; 100], Vec::new())
     }
 
     /// One of 90 samples whose means of pixels have variance 0.01: 0.9 with one sample and 0.1 with

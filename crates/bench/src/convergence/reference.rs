@@ -214,16 +214,7 @@ mod tests {
                 sum_of_squares,
                 ..Default::default()
             };
-            Film {
-                width: 1,
-                height: 1,
-                radiance: vec![pixel],
-                features: Vec::new(),
-                estimates: None,
-                corrections: None,
-                splats: None,
-                denoised: None,
-            }
+            Film::new(1, 1, vec![pixel], Vec::new())
         };
         let reference = Reference::of_halves(&film(1.0), &film(3.0), 4, IntegratorKind::Lvc);
         assert_eq!(reference.image.pixels, [Vec3::splat(2.0)]);

@@ -118,16 +118,12 @@ pub(super) mod tests {
             samples: i,
         };
         let pixels = width * height;
-        Film {
+        Film::new(
             width,
             height,
-            radiance: (0..pixels).map(radiance).collect(),
-            features: (0..pixels).map(features).collect(),
-            estimates: None,
-            corrections: None,
-            splats: None,
-            denoised: None,
-        }
+            (0..pixels).map(radiance).collect(),
+            (0..pixels).map(features).collect(),
+        )
     }
 
     /// [`film`], with estimates, corrections and splats whose every number differs.

@@ -121,16 +121,7 @@ impl<B> FilmBuffers<B> {
                 features[in_rows(offset)] = pixel;
             }
         }
-        Ok(Film {
-            width,
-            height,
-            radiance,
-            features,
-            estimates: None,
-            corrections: None,
-            splats: None,
-            denoised: None,
-        })
+        Ok(Film::new(width, height, radiance, features))
     }
 }
 
