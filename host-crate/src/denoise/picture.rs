@@ -4,11 +4,11 @@ use super::layers::Layers;
 use super::noise::estimate_variance;
 use crate::exec::{ExecError, Executor};
 use crate::image::LayeredImage;
+use crate::render::film::row_place;
 use crate::render::reconstruction::FilterInputs;
 use crate::scene::FilmSize;
 use glam::{Vec3, Vec4};
 use raystream_shaders::estimator::guide::{Guide, NO_SURFACE, pack_normal};
-use raystream_shaders::film::tiles::pixel_of_rank;
 use raystream_shaders::reconstruction::halves::UNMEASURED;
 use raystream_shaders::scene::camera::Camera;
 use std::path::{Path, PathBuf};
@@ -185,9 +185,8 @@ impl NoisyPicture {
         let variances = self.variance.clone().unwrap_or_else(estimate);
         let camera = self.camera();
         let pixels = (0..width * height).map(|rank| {
-            let (x, y) = pixel_of_rank(rank, width, height);
-            let p = (y * width + x) as usize;
-            let guide = self.guide(&camera, [x, y], variances[p]);
+            let p = row_place(self.size, rank);
+            let guide = self.guide(&camera, p, variances[p]);
             (guide, self.halves_of(p, &guide))
         });
         let (guides, halves): (Vec<Guide>, Vec<[Vec4; 2]>) = pixels.unzip();
@@ -200,8 +199,8 @@ impl NoisyPicture {
         inputs.rows.write(executor, &noise.collect::<Vec<_>>())
     }
 
-    fn guide(&self, camera: &Camera, [x, y]: [u32; 2], variance: f32) -> Guide {
-        let p = (y * self.size.width + x) as usize;
+    fn guide(&self, camera: &Camera, p: usize, variance: f32) -> Guide {
+        let (x, y) = (p as u32 % self.size.width, p as u32 / self.size.width);
         let color = self.color[p];
         let is_measured = color.is_finite();
         let albedo = self.albedo.as_ref().map_or(Vec3::ZERO, |albedo| albedo[p]);

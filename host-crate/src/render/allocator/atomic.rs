@@ -60,8 +60,7 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
                 half: buffers.split.of_adaptive(),
                 ..RunWindow::zeroed()
             };
-            let first = band.first_rank as usize;
-            let reserved = || self.reserved.slice(first..first + band.film.len());
+            let reserved = || self.reserved.slice(band.ranks());
             launches.push(kernels::reserve_slots(
                 &window,
                 self.table.starts_of(band),

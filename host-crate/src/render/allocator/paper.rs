@@ -108,11 +108,10 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
             buffers.slots.slice(0..stream.slots as usize),
         ));
         for band in buffers.film.bands() {
-            let first = band.first_rank as usize;
             launches.push(kernels::copy_counts(
                 &CountParams { threads: band.film.len() as u32, ..CountParams::zeroed() },
                 band.film.view(),
-                self.counts.slice(first..first + band.film.len()),
+                self.counts.slice(band.ranks()),
             ));
         }
         launches.push(kernels::paper_begin(&self.parameters(stream, 0, 1), self.states.view()));

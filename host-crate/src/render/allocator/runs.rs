@@ -40,9 +40,9 @@ impl<B> Runs<B> {
     fn weigh<'a>(&'a self, buffers: &RoundBuffers<'a, B>, stream: &Stream) -> Vec<Launch<'a, B>> {
         let mut launches = self.scale.launches(buffers.errors);
         for band in buffers.film.bands() {
-            let (first, pixels) = (band.first_rank as usize, band.film.len());
-            let parameters = CountParams { threads: pixels as u32, ..CountParams::zeroed() };
-            let counts = self.counts.slice(first..first + pixels);
+            let threads = band.film.len() as u32;
+            let parameters = CountParams { threads, ..CountParams::zeroed() };
+            let counts = self.counts.slice(band.ranks());
             launches.push(kernels::copy_counts(&parameters, band.film.view(), counts));
         }
         let words = RunWindow { threads: LEVEL_WORDS * PASSES, ..RunWindow::zeroed() };

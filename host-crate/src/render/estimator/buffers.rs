@@ -1,7 +1,7 @@
 //! What estimators work on, and their launches.
 
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
-use crate::render::film::{Band, FilmBuffers};
+use crate::render::film::{Band, FilmBuffers, in_rows};
 use crate::render::settings::estimation::Estimator;
 use crate::render::settings::sampling::{AllocatorKind, Sampling};
 use crate::scene::FilmSize;
@@ -9,9 +9,7 @@ use bytemuck::Zeroable;
 use raystream_shaders::estimator::bilateral::FilterParams;
 use raystream_shaders::estimator::guide::{Guide, GuideParams, HALVES, SUM_OF_SQUARES};
 use raystream_shaders::estimator::{ErrorForm, ErrorTotal, Estimate, NoiseParams, TotalParams};
-use raystream_shaders::film::tiles::pixel_of_rank;
 use raystream_shaders::scene::camera::Camera;
-use std::ops::Range;
 
 /// What the largest buffer is called in errors.
 const GUIDES: &str = "what estimates the errors of so large a picture";
@@ -99,7 +97,7 @@ impl<B> EstimateBuffers<B> {
         let of_band = |band: &'a Band<B>| {
             let threads = band.film.len() as u32;
             let parameters = GuideParams { threads, spread, ..GuideParams::zeroed() };
-            let guides = self.guides.slice(ranks(band));
+            let guides = self.guides.slice(band.ranks());
             kernels::make_guides(&parameters, band.film.view(), band.features.view(), guides)
         };
         film.bands().iter().map(of_band).collect()
@@ -115,8 +113,13 @@ impl<B> EstimateBuffers<B> {
         let (threads, first_rank) = (band.film.len() as u32, band.first_rank);
         let FilmSize { width, height } = self.size;
         let (guides, film) = (self.guides.view(), band.film.view());
-        let estimates = self.estimates.slice(ranks(band));
-        let errors = self.errors.slice(ranks(band));
+        let estimates = self.estimates.slice(band.ranks());
+        let errors = self.errors.slice(band.ranks());
+        if sampling.estimator == Estimator::Bilateral {
+            let shared = sampling.estimation.filter.parameters(camera, form);
+            let parameters = FilterParams { threads, first_rank, ..shared };
+            return kernels::filter_errors(&parameters, guides, film, estimates, errors);
+        }
         let smooth = u32::from(sampling.estimation.smooth);
         let noise = NoiseParams {
             threads,
@@ -127,11 +130,6 @@ impl<B> EstimateBuffers<B> {
             smooth,
             ..NoiseParams::zeroed()
         };
-        if sampling.estimator == Estimator::Bilateral {
-            let shared = sampling.estimation.filter.parameters(camera, form);
-            let parameters = FilterParams { threads, first_rank, ..shared };
-            return kernels::filter_errors(&parameters, guides, film, estimates, errors);
-        }
         kernels::noise_errors(&noise, guides, film, estimates, errors)
     }
 
@@ -143,13 +141,7 @@ impl<B> EstimateBuffers<B> {
 
     /// Copies the estimates to the host, in rows.
     pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<Estimate>, ExecError> {
-        let FilmSize { width, height } = self.size;
-        let mut rows = vec![Estimate::zeroed(); self.estimates.len()];
-        for (rank, estimate) in self.estimates.read(executor)?.into_iter().enumerate() {
-            let (x, y) = pixel_of_rank(rank as u32, width, height);
-            rows[(y * width + x) as usize] = estimate;
-        }
-        Ok(rows)
+        Ok(in_rows(self.size, self.estimates.read(executor)?))
     }
 
     /// The noise by the last estimates; `mean_radiance` as in [`ComingRound`].
@@ -187,11 +179,6 @@ impl<B> EstimateBuffers<B> {
             mean_radiance: mean(|t| t.radiance),
         })
     }
-}
-
-/// The ranks of a band's pixels.
-fn ranks<B>(band: &Band<B>) -> Range<usize> {
-    band.first_rank as usize..band.first_rank as usize + band.film.len()
 }
 
 /// How errors follow from estimates.

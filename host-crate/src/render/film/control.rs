@@ -25,6 +25,20 @@ pub struct ControlFilm<B> {
     corrections: Array<B, Vec4>,
 }
 
+/// The parameters of a pass along the columns of a picture, by a Gaussian of a standard deviation in
+/// pixels that is cut off at so many of these.
+pub fn gaussian(size: FilmSize, sigma: f32, cut: f32) -> ControlParams {
+    let FilmSize { width, height } = size;
+    ControlParams {
+        threads: width * height,
+        width,
+        height,
+        factor: 0.5 / (sigma * sigma),
+        radius: (cut * sigma) as u32,
+        ..ControlParams::zeroed()
+    }
+}
+
 impl<B> ControlFilm<B> {
     /// For a picture of `size`.
     pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
@@ -72,15 +86,7 @@ impl<B> ControlFilm<B> {
 
     /// The parameters of a pass over all pixels, along columns.
     fn whole(&self) -> ControlParams {
-        let FilmSize { width, height } = self.size;
-        ControlParams {
-            threads: width * height,
-            width,
-            height,
-            factor: 0.5 / (SIGMA * SIGMA),
-            radius: (CUT * SIGMA) as u32,
-            ..ControlParams::zeroed()
-        }
+        gaussian(self.size, SIGMA, CUT)
     }
 
     /// Copies the corrections to the host, in rows.

@@ -67,13 +67,10 @@ impl<B> FilmBuffers<B> {
         executor: &E,
         film: &Film,
     ) -> Result<Self, ExecError> {
-        let (width, height) = (film.width, film.height);
-        let buffers = Self::new(executor, FilmSize { width, height })?;
+        let size = FilmSize { width: film.width, height: film.height };
+        let buffers = Self::new(executor, size)?;
         for band in &buffers.bands {
-            let rows = (band.first_rank..band.first_rank + band.film.len() as u32).map(|rank| {
-                let (x, y) = pixel_of_rank(rank, width, height);
-                (y * width + x) as usize
-            });
+            let rows = band.ranks().map(|rank| row_place(size, rank as u32));
             let (radiance, features): (Vec<_>, Vec<_>) =
                 rows.map(|p| (film.radiance[p], film.features[p])).unzip();
             band.film.write(executor, &radiance)?;
@@ -110,22 +107,39 @@ impl<B> FilmBuffers<B> {
         let mut features = vec![FeaturePixel::zeroed(); pixels];
         // Band by band, so that little more than the picture itself is in memory at once.
         for band in &self.bands {
-            let in_rows = |offset: usize| {
-                let (x, y) = pixel_of_rank(band.first_rank + offset as u32, width, height);
-                (y * width + x) as usize
-            };
-            for (offset, pixel) in band.film.read(executor)?.into_iter().enumerate() {
-                radiance[in_rows(offset)] = pixel;
+            for (rank, pixel) in (band.first_rank..).zip(band.film.read(executor)?) {
+                radiance[row_place(self.size, rank)] = pixel;
             }
-            for (offset, pixel) in band.features.read(executor)?.into_iter().enumerate() {
-                features[in_rows(offset)] = pixel;
+            for (rank, pixel) in (band.first_rank..).zip(band.features.read(executor)?) {
+                features[row_place(self.size, rank)] = pixel;
             }
         }
         Ok(Film::new(width, height, radiance, features))
     }
 }
 
+/// Where the pixel of a rank is in rows.
+pub fn row_place(size: FilmSize, rank: u32) -> usize {
+    let (x, y) = pixel_of_rank(rank, size.width, size.height);
+    (y * size.width + x) as usize
+}
+
+/// What is in rank order, one for each pixel, in rows.
+pub fn in_rows<T: Zeroable + Copy>(size: FilmSize, ranked: Vec<T>) -> Vec<T> {
+    let mut rows = vec![T::zeroed(); ranked.len()];
+    for (rank, value) in (0..).zip(ranked) {
+        rows[row_place(size, rank)] = value;
+    }
+    rows
+}
+
 impl<B> Band<B> {
+    /// The ranks of its pixels.
+    pub fn ranks(&self) -> Range<usize> {
+        let first = self.first_rank as usize;
+        first..first + self.film.len()
+    }
+
     /// The window of at most `pixels` (rounded to [`WINDOW_ALIGNMENT`], at least that) that starts
     /// at `start`, as a range within the band; none at its end.
     pub fn window(&self, start: u32, pixels: u32) -> Option<Range<u32>> {

@@ -2,6 +2,7 @@
 
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::FilmBuffers;
+use crate::render::film::control::gaussian;
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use glam::Vec4;
@@ -71,22 +72,21 @@ impl<B> FilterInputs<B> {
         let mut launches = Vec::new();
         for band in film.bands() {
             let threads = band.film.len() as u32;
-            let ranks = band.first_rank as usize..band.first_rank as usize + band.film.len();
             let parameters =
                 GuideParams { threads, spread: SUM_OF_SQUARES, ..GuideParams::zeroed() };
             launches.push(kernels::make_guides(
                 &parameters,
                 band.film.view(),
                 band.features.view(),
-                self.guides.slice(ranks.clone()),
+                self.guides.slice(band.ranks()),
             ));
             let parameters =
                 PictureParams { threads, first_rank: band.first_rank, ..self.parameters() };
             launches.push(kernels::make_halves(
                 &parameters,
                 band.film.view(),
-                self.first.slice(ranks.clone()),
-                self.second.slice(ranks),
+                self.first.slice(band.ranks()),
+                self.second.slice(band.ranks()),
                 self.rows.view(),
             ));
         }
@@ -110,15 +110,7 @@ impl<B> FilterInputs<B> {
 
     /// Sums over [`Self::rows`] by the weights of a Gaussian that are 1 at the pixel itself.
     pub fn blur(&self, sigma: f32) -> [Launch<'_, B>; 2] {
-        let FilmSize { width, height } = self.size;
-        let columns = ControlParams {
-            threads: width * height,
-            width,
-            height,
-            factor: 0.5 / (sigma * sigma),
-            radius: (CUT * sigma) as u32,
-            ..ControlParams::zeroed()
-        };
+        let columns = gaussian(self.size, sigma, CUT);
         let along_rows = ControlParams { along_rows: 1, ..columns };
         [
             kernels::blur(&along_rows, self.rows.view(), self.scratch.view()),

@@ -1,10 +1,11 @@
 //! Reconstruction on a device: from the film to a picture with less noise, and to the error that is
 //! left in it; see [`raystream_shaders::reconstruction`].
 //!
-//! [`FilteredPicture`] is what a filter makes of a film, for estimators. [`Reconstruction`] makes a
-//! picture to look at of that, by guard and mean.
+//! [`FilteredPicture`] is what a filter makes of a film. [`Reconstruction`] makes a picture to look at
+//! of that, by guard and mean.
 
 mod bilateral;
+mod halves;
 mod inputs;
 mod nlm;
 mod regression;
@@ -14,8 +15,8 @@ pub use inputs::{FilterInputs, FilterView};
 use self::bilateral::Bilateral;
 use self::nlm::Nlm;
 use self::regression::Regression;
-use super::film::FilmBuffers;
 use super::film::control::ControlFilm;
+use super::film::{FilmBuffers, in_rows};
 use super::settings::estimation::FilterSettings;
 use super::settings::reconstruction::FilterKind;
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
@@ -23,7 +24,6 @@ use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::Estimate;
 use raystream_shaders::estimator::filtered::FilteredPixel;
-use raystream_shaders::film::tiles::pixel_of_rank;
 use raystream_shaders::reconstruction::mean::MeanParams;
 
 /// Standard deviation, in pixels, of the Gaussian over which the guard averages.
@@ -217,12 +217,7 @@ impl<B: Send + Sync + 'static> Reconstruction<B> {
     /// # Errors
     /// If the device fails.
     pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<Estimate>, ExecError> {
-        let FilmSize { width, height } = self.picture.inputs.size;
-        let mut rows = vec![Estimate::zeroed(); self.guarded.len()];
-        for (rank, estimate) in self.guarded.read(executor)?.into_iter().enumerate() {
-            let (x, y) = pixel_of_rank(rank as u32, width, height);
-            rows[(y * width + x) as usize] = estimate;
-        }
+        let mut rows = in_rows(self.picture.inputs.size, self.guarded.read(executor)?);
         for (pixel, correction) in rows.iter_mut().zip(self.mean.read(executor)?) {
             pixel.filtered += correction;
         }

@@ -1,10 +1,10 @@
 //! Launches of the filter `regression`.
 
+use super::halves::FilteredHalves;
 use super::{Filter, FilterInputs, FilterView};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
-use glam::Vec4;
 use raystream_shaders::estimator::filtered::FilteredPixel;
 use raystream_shaders::reconstruction::regression::RegressionParams;
 
@@ -15,18 +15,15 @@ const STRENGTH: f32 = 0.5;
 /// Variances that are taken off squared differences: their expectation.
 const EXPLAINED: f32 = 1.0;
 
-/// First-order regression, and the filtered halves.
+/// First-order regression.
 pub struct Regression<B> {
-    first: Array<B, Vec4>,
-    second: Array<B, Vec4>,
+    halves: FilteredHalves<B>,
 }
 
 impl<B> Regression<B> {
     /// For a picture of `size`.
     pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
-        let pixels = (size.width * size.height) as usize;
-        let half = || Array::zeroed(executor, "filtered halves", pixels);
-        Ok(Self { first: half()?, second: half()? })
+        Ok(Self { halves: FilteredHalves::new(executor, size)? })
     }
 }
 
@@ -49,24 +46,9 @@ impl<B: Send + Sync + 'static> Filter<B> for Regression<B> {
             explained: EXPLAINED,
             ..RegressionParams::zeroed()
         };
-        let guides = || inputs.guides.view();
-        let (first, second) = (&inputs.first, &inputs.second);
-        let regress = |weighers: &'a Array<B, Vec4>,
-                       values: &'a Array<B, Vec4>,
-                       to: &'a Array<B, Vec4>| {
-            kernels::regress_half(&parameters, guides(), weighers.view(), values.view(), to.view())
-        };
-        vec![
-            regress(second, first, &self.first),
-            regress(first, second, &self.second),
-            kernels::join_halves(
-                &inputs.parameters(),
-                guides(),
-                first.view(),
-                self.first.view(),
-                self.second.view(),
-                filtered.view(),
-            ),
-        ]
+        self.halves.launches(inputs, filtered, |weighers, values, to| {
+            let guides = inputs.guides.view();
+            kernels::regress_half(&parameters, guides, weighers.view(), values.view(), to.view())
+        })
     }
 }
