@@ -4,14 +4,13 @@ use super::choices::choice;
 use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
 use super::options::{DeviceArguments, DisplayArguments};
-use super::output::{self, is_same_file};
-use super::render::is_png;
+use super::output::{self, is_png};
 use clap::Args;
 use glam::Vec3;
 use raystream::denoise::{Denoising, NoisyPicture, denoise};
 use raystream::image::{self, Channel, ColorImage, Format, LayeredImage};
 use raystream::render::FilterKind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The options of `raystream denoise`.
 #[derive(Args)]
@@ -38,7 +37,7 @@ pub struct DenoiseArguments {
 /// Takes noise out of a picture.
 pub fn run(arguments: &DenoiseArguments, given: &Given) -> Result<Ending, CliError> {
     let path = &arguments.picture;
-    arguments.check_outputs()?;
+    output::check_outputs(&arguments.output, Some(path))?;
     let mut layers = image::read_layers(path)?;
     let picture = NoisyPicture::from_layers(path, &layers)?;
     let device = arguments.device.open()?;
@@ -78,27 +77,6 @@ pub fn run(arguments: &DenoiseArguments, given: &Given) -> Result<Ending, CliErr
         say(&format!("wrote {}", path.display()));
     }
     Ok(Ending::Done)
-}
-
-impl DenoiseArguments {
-    /// Fails where the results could not be written, or one would replace the picture or another.
-    fn check_outputs(&self) -> Result<(), CliError> {
-        for (index, path) in self.output.iter().enumerate() {
-            image::check_writable(path)?;
-            let names_twice = |other: &PathBuf| is_same_file(other, path);
-            if names_twice(&self.picture) {
-                return Err(replaces(path, "would replace the picture; name another file"));
-            }
-            if self.output[..index].iter().any(names_twice) {
-                return Err(replaces(path, "names this file twice; name each once"));
-            }
-        }
-        Ok(())
-    }
-}
-
-fn replaces(path: &Path, what: &str) -> CliError {
-    format!("{}: -o {what}", path.display()).into()
 }
 
 /// Adds the result to the layers, in the place of an earlier one.

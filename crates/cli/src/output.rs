@@ -1,8 +1,9 @@
 //! Text for people.
 
-use raystream::image::written_file;
+use super::ending::CliError;
+use raystream::image::{Format, check_writable, written_file};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes a line to stdout. A reader that has gone away (`| head`) is not an error.
 pub fn print_line(line: &str) -> io::Result<()> {
@@ -26,6 +27,28 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
         path.canonicalize().ok().or(written)
     };
     a == b || resolved(a).is_some_and(|a| resolved(b) == Some(a))
+}
+
+/// Whether a path names a PNG.
+pub fn is_png(path: &Path) -> bool {
+    matches!(Format::of(path), Ok(Format::Png))
+}
+
+/// Fails where one of the pictures `-o` could not be written, or would replace another or the
+/// picture `source` that they are made of.
+pub fn check_outputs(paths: &[PathBuf], source: Option<&Path>) -> Result<(), CliError> {
+    let refuse =
+        |path: &Path, why: &str| Err(CliError::from(format!("{}: -o {why}", path.display())));
+    for (index, path) in paths.iter().enumerate() {
+        check_writable(path)?;
+        if source.is_some_and(|source| is_same_file(source, path)) {
+            return refuse(path, "would replace the picture; name another file");
+        }
+        if paths[..index].iter().any(|earlier| is_same_file(earlier, path)) {
+            return refuse(path, "names this file twice; name each once");
+        }
+    }
+    Ok(())
 }
 
 /// A size in bytes, rounded: `1.5 GiB`.

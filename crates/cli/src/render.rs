@@ -6,14 +6,14 @@ use super::ending::{CliError, Ending};
 use super::hints::with_hint;
 use super::interrupt;
 use super::options::{DeviceArguments, DisplayArguments, SettingsArguments, parse_seconds};
-use super::output::{self, is_same_file, rate};
+use super::output::{self, is_png, is_same_file, rate};
 use super::progress::ProgressDisplay;
 use super::sampling::{SamplingArguments, describe};
 use clap::Args;
 use glam::Vec3;
 use raystream::exec::device::Device;
 use raystream::film::Film;
-use raystream::image::{self, Format};
+use raystream::image;
 use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
     Budget, FilterKind, Outcome, PreparedScene, RenderError, Renderer, Settings, Stop,
@@ -21,7 +21,7 @@ use raystream::render::{
 };
 use raystream::scene::DEFAULT_SCENE;
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// The options of `raystream render`.
@@ -88,7 +88,10 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
     interrupt::begin_render();
     let scene = arguments.settings.load_scene(&arguments.scene, arguments.quiet)?;
     let outputs = arguments.outputs(&scene.name);
-    check_outputs(&outputs, arguments.png_layers)?;
+    output::check_outputs(&outputs, None)?;
+    if arguments.png_layers {
+        check_layers(&outputs)?;
+    }
     let device = arguments.device.open()?;
     let mut settings = Settings {
         sampling: arguments.sampling.sampling(),
@@ -288,23 +291,7 @@ fn average_samples(outcome: &Outcome, film: &Film) -> f64 {
     (outcome.paths as f64 / film.radiance.len() as f64 * 100.0).round() / 100.0
 }
 
-/// Fails where a render's pictures could not be written, or one would replace another.
-fn check_outputs(paths: &[PathBuf], png_layers: bool) -> Result<(), CliError> {
-    for (index, path) in paths.iter().enumerate() {
-        image::check_writable(path)?;
-        if paths[..index].iter().any(|earlier| is_same_file(earlier, path)) {
-            return Err(
-                format!("{}: -o names this file twice; name each once", path.display()).into()
-            );
-        }
-    }
-    if png_layers {
-        check_layers(paths)?;
-    }
-    Ok(())
-}
-
-/// As [`check_outputs`], of the layers beside the pictures.
+/// As [`output::check_outputs`], of the layers beside the pictures.
 fn check_layers(pictures: &[PathBuf]) -> Result<(), CliError> {
     let layers: Vec<PathBuf> = pictures
         .iter()
@@ -329,10 +316,6 @@ fn check_layers(pictures: &[PathBuf]) -> Result<(), CliError> {
         }
     }
     Ok(())
-}
-
-pub(super) fn is_png(path: &Path) -> bool {
-    matches!(Format::of(path), Ok(Format::Png))
 }
 
 /// A scene's name as a file name, of a length that every file system takes.

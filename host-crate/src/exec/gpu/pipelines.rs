@@ -62,9 +62,9 @@ impl Shaders {
             spirv: Some(words.into()),
             ..Default::default()
         };
-        // SAFETY: the module is a part of one that was validated when it was compiled, with all that
-        // it names; its interface is compared with the table by a test, and every launch binds what
-        // the table says.
+        // SAFETY: the module is a part of one that was validated when it was compiled, with all
+        // that it names; its interface is compared with the table by a test, and every launch binds
+        // what the table says.
         Ok(unsafe { device.create_shader_module_passthrough(descriptor) })
     }
 }

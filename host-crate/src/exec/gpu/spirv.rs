@@ -33,7 +33,8 @@ impl Kernels {
     /// # Errors
     /// That there is none of that name.
     pub fn alone(&self, name: &str) -> Result<Vec<u32>, String> {
-        let is_named = |entry: &&Instruction| matches!(&entry.operands[2], Operand::LiteralString(text) if text == name);
+        let text = Operand::LiteralString(name.into());
+        let is_named = |entry: &&Instruction| entry.operands.get(2) == Some(&text);
         let missing = || format!("there is no kernel '{name}'");
         let entry = self.module.entry_points.iter().find(is_named).ok_or_else(missing)?;
         let main = entry.operands[1].id_ref_any().ok_or_else(missing)?;
