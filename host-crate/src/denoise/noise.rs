@@ -65,7 +65,8 @@ mod tests {
             .collect();
         let variances = estimate_variance(width, height, &color);
         let mean = variances.iter().sum::<f32>() / variances.len() as f32;
-        // Some 3000 pixels by 49, whose medians scatter by a fourth: 3 %, and the edge and the border.
+        // Some 3000 pixels by 49, whose medians scatter by a fourth: 3 %, and the edge and the
+        // border.
         assert!((mean / 0.04 - 1.0).abs() < 0.2, "{mean}");
     }
 

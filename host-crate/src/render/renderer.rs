@@ -260,8 +260,8 @@ impl<E: Executor> Renderer<E> {
     }
 
     /// Computes on the device what is to be added to the picture so that it is without bias, where
-    /// there is a control film, and the filtered picture, where there is to be one: the last step before the film is read, which
-    /// [`Self::film`] takes by itself. Returns where the time went.
+    /// there is a control film, and the filtered picture, where there is to be one: the last step
+    /// before the film is read, which [`Self::film`] takes by itself. Returns where the time went.
     pub fn resolve(&self) -> Result<Timings, ExecError> {
         let mut launches = TimedLaunches::default();
         if let Some(control) = &self.control {

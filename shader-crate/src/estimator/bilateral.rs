@@ -91,7 +91,7 @@ pub fn filter_errors(
         let mut squared_error = mean_of_squares(guide.color - filtered.color);
         if params.color != 0 {
             squared_error += filtered.shared_noise * filtered.variance
-                + unseen_part(contrast([params.width, params.height], guides, rank), guide.samples);
+                + unseen_part(contrast(params, guides, rank), guide.samples);
         }
         squared_error = params.form.unseen_light(&guide).max(squared_error);
         *estimate = Estimate { filtered: filtered.color, squared_error };
@@ -138,7 +138,7 @@ struct Filtered {
 /// of `1/n^2` of it on average. (Samples find some of these parts: an edge along an axis leaves a
 /// quarter of this.) The pixels have no variance by which one could know them, and beside a lamp
 /// they are the worst of a picture.
-pub(super) fn unseen_part(contrast: f32, samples: u32) -> f32 {
+fn unseen_part(contrast: f32, samples: u32) -> f32 {
     let n = samples as f32;
     contrast / (3.0 * n * n * n)
 }
@@ -199,17 +199,16 @@ fn filter<const FOLLOWS: bool>(params: &FilterParams, guides: &[Guide], rank: u3
 
 /// The largest squared difference of colour between the pixel of rank `rank` and the eight next to
 /// it.
-pub(super) fn contrast(size: [u32; 2], guides: &[Guide], rank: u32) -> f32 {
+fn contrast(params: &FilterParams, guides: &[Guide], rank: u32) -> f32 {
     let color = at(guides, rank).color;
-    let [width, height] = size;
-    let (x, y) = pixel_of_rank(rank, width, height);
-    let (right, bottom) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
+    let (x, y) = pixel_of_rank(rank, params.width, params.height);
+    let (right, bottom) = ((x + 1).min(params.width - 1), (y + 1).min(params.height - 1));
     let mut largest = 0.0_f32;
     let mut row = y - y.min(1);
     while row <= bottom {
         let mut column = x - x.min(1);
         while column <= right {
-            let tap = at(guides, rank_of_pixel(column, row, width, height));
+            let tap = at(guides, rank_of_pixel(column, row, params.width, params.height));
             if tap.is_measured() {
                 largest = mean_of_squares(tap.color - color).max(largest);
             }

@@ -155,8 +155,8 @@ impl<B> Estimation<B> {
         buffers.noise(&state.executor, mean_radiance).map(Some)
     }
 
-    /// The noise of another picture of the film, whose errors are estimated in rank order; none where
-    /// no mean radiance has been measured.
+    /// The noise of another picture of the film, whose errors are estimated in rank order; none
+    /// where no mean radiance has been measured.
     pub fn noise_of<E: Executor<Buffer = B>>(
         &self,
         executor: &E,
