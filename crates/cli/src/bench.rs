@@ -65,13 +65,29 @@ pub struct BiasArguments {
     #[command(flatten)]
     sampling: SamplingArguments,
     /// Samples per pixel, on average over the pixels, of the pictures: one row each.
-    #[arg(long, value_delimiter = ',', value_name = "LIST", default_values_t = [16, 64, 256], value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "LIST",
+        default_values_t = [16, 64, 256],
+        value_parser = clap::value_parser!(u32).range(1..=1 << 20)
+    )]
     spp: Vec<u32>,
     /// Renders of each row, with the seeds from --seed on.
-    #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    #[arg(
+        long,
+        default_value_t = 16,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(2..=100_000)
+    )]
     renders: u32,
     /// Samples per pixel of the truth, which is sampled uniformly.
-    #[arg(long, default_value_t = 16_384, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=1 << 24))]
+    #[arg(
+        long,
+        default_value_t = 16_384,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(16..=1 << 24)
+    )]
     truth_spp: u32,
 }
 
@@ -195,7 +211,8 @@ fn bench_bias(
         };
         let beyond = |b: &&bias::BlockBias| b.bias.standard_errors() > BLOCK_LIMIT;
         print_line(&format!(
-            "    {:>5} spp: {}, plain {}; {} of {} blocks beyond {BLOCK_LIMIT} SE; RMSE {:.5}, plain {:.5}, in {:.1} ms",
+            "    {:>5} spp: {}, plain {}; {} of {} blocks beyond {BLOCK_LIMIT} SE; RMSE {:.5}, \
+             plain {:.5}, in {:.1} ms",
             bias.samples,
             percent(bias.whole),
             percent(bias.plain),

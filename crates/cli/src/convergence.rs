@@ -59,8 +59,8 @@ pub struct ConvergenceArguments {
         default_value = "bilateral"
     )]
     estimators: Vec<Estimator>,
-    /// Filters of the picture, separated by commas: everything is measured without a filter and with
-    /// each of these, the time of filtering included.
+    /// Filters of the picture, separated by commas: everything is measured without a filter and
+    /// with each of these, the time of filtering included.
     #[arg(
         long,
         value_parser = choice::<FilterKind>(),

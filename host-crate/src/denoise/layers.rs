@@ -8,7 +8,8 @@ const COLOR: &[&str] =
     &["noisyimage", "", "rgb", "rgba", "color", "colour", "beauty", "combined", "image", "main"];
 /// Cycles: `Denoising Albedo`, `DiffCol`. pbrt: `Albedo`. Mitsuba: as the user says, by its types.
 const ALBEDO: &[&str] = &["denoisingalbedo", "albedo", "diffcol"];
-/// Cycles: `Denoising Normal`, `Normal`. pbrt: `Ns`, `N`. Mitsuba: `sh_normal`, in its examples `nn`.
+/// Cycles: `Denoising Normal`, `Normal`. pbrt: `Ns`, `N`. Mitsuba: `sh_normal`, in its examples
+/// `nn`.
 const NORMAL: &[&str] = &["denoisingnormal", "normal", "ns", "shnormal", "nn", "n", "geonormal"];
 /// Cycles: `Denoising Depth`, `Depth`. Mitsuba: `depth`, in its examples `dd.y`.
 const DEPTH: &[&str] = &["denoisingdepth", "depth", "dd", "z"];
