@@ -8,7 +8,7 @@ use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers};
 use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::at;
 use crate::scene::SceneView;
-use crate::scene::ray::{Hit, OFFSET_ROUNDINGS, Ray, SurfacePoint};
+use crate::scene::ray::{Hit, Ray, SurfacePoint};
 
 /// Kernel: the ray through the centre of the pixel of slot `lane`.
 pub fn primary_rays(lane: u32, params: &PathParams, slots: &[Slot], ray: &mut Ray) {
@@ -80,7 +80,7 @@ pub fn any_hits(
 
 /// The point that `ray` hit, its normal on the side that the ray came from.
 fn surface_point(scene: &SceneView<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
-    let point = scene.surfaces.triangle(hit.triangle).surface_point(hit, OFFSET_ROUNDINGS);
+    let point = scene.surfaces.point(&scene.surfaces.triangle(hit.triangle), ray, hit);
     let behind = ray.direction.dot(point.normal) > 0.0;
     SurfacePoint { normal: if behind { -point.normal } else { point.normal }, ..point }
 }

@@ -5,6 +5,8 @@ mod bsdf;
 mod camera;
 mod errors;
 mod files;
+mod leaks;
 mod light;
 mod loading;
+mod mixed_scales;
 mod traversal;

@@ -51,11 +51,15 @@ fn retain<T>(elements: &mut Vec<T>, kept: &[bool]) {
     elements.retain(|_| kept.next().is_some_and(|&kept| kept));
 }
 
-/// Whether a triangle has an area, and therefore a normal. What has none is never rendered.
-pub(crate) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
-    let exact = [a, b, c].map(Vec3::as_dvec3);
-    let area = (exact[1] - exact[0]).cross(exact[2] - exact[0]).length();
-    area > 0.0 && raystream_shaders::math::triangle_normal(b - a, c - a).is_finite()
+/// Whether a triangle has an area, and therefore a normal and barycentric coordinates whose numbers
+/// are finite. What has none is never rendered.
+pub(crate) fn has_area(corners: [Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let area = (b - a).cross(c - a).length();
+    let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+    let largest =
+        [a, b, c].map(|corner| corner.abs().max_element()).into_iter().fold(1.0, f64::max);
+    area > 0.0 && longest * largest / area < f64::from(f32::MAX) / 16.0
 }
 
 #[cfg(test)]

@@ -10,14 +10,6 @@ use spirv_std::num_traits::Float as _;
 /// 2^-24: half an ulp of 1, the largest relative error of one rounded operation.
 pub const UNIT_ROUNDOFF: f32 = 5.960_464_5e-8;
 
-/// Unit normal of the triangle with these two edges from one corner, on the side from which its
-/// corners run counter-clockwise.
-pub fn triangle_normal(edge1: Vec3, edge2: Vec3) -> Vec3 {
-    // Scaled first: the squares of very small edges' products underflow.
-    let scale = edge1.abs().max(edge2.abs()).max_element();
-    (edge1 / scale).cross(edge2 / scale).normalize()
-}
-
 /// Two unit vectors that make a right-handed orthonormal frame with the unit vector `n`:
 /// `cross(x, y) = n`.
 ///
@@ -32,11 +24,16 @@ pub fn tangent_frame(n: Vec3) -> (Vec3, Vec3) {
     )
 }
 
+/// The square of the cosine of a radius of 1 - 2^-24, see [`sample_cosine_hemisphere`].
+const LEAST_COSINE_SQUARED: f32 = 2.0 * UNIT_ROUNDOFF;
+
 /// A direction about the unit vector `n`, of density `cos / pi`, from a uniform point of the unit
 /// square.
 ///
 /// Malley's method over the concentric map of Shirley and Chiu, "A Low Distortion Map Between Disk
-/// and Square", JGT 2(3), 1997, which keeps the square's stratification.
+/// and Square", JGT 2(3), 1997, which keeps the square's stratification. A coordinate of 24 bits is
+/// 0 once in 2^24 times, and stands for all below 2^-24: the direction is then that of its middle,
+/// and not in the surface, from where a rounding would take it through.
 pub fn sample_cosine_hemisphere(n: Vec3, u: [f32; 2]) -> Vec3 {
     let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
     let horizontal = x.abs() > y.abs();
@@ -51,7 +48,7 @@ pub fn sample_cosine_hemisphere(n: Vec3, u: [f32; 2]) -> Vec3 {
     let angle = core::f32::consts::FRAC_PI_4 * ratio;
     let (near, far) = (radius * angle.cos(), radius * angle.sin());
     let (dx, dy) = if horizontal { (near, far) } else { (far, near) };
-    let dz = (1.0 - dx * dx - dy * dy).max(0.0).sqrt();
+    let dz = (1.0 - dx * dx - dy * dy).max(LEAST_COSINE_SQUARED).sqrt();
     let (tangent, bitangent) = tangent_frame(n);
     (tangent * dx + bitangent * dy + n * dz).normalize()
 }

@@ -24,6 +24,12 @@ pub fn float(row: UVec4) -> f32 {
     f32::from_bits(row.w)
 }
 
+/// Two rows of a buffer, from row `first` on.
+#[inline(always)]
+pub fn two_rows(rows: &[UVec4], first: u32) -> [UVec4; 2] {
+    [at(rows, first), at(rows, first + 1)]
+}
+
 /// Three rows of a buffer, from row `first` on.
 #[inline(always)]
 pub fn three_rows(rows: &[UVec4], first: u32) -> [UVec4; 3] {
@@ -34,4 +40,11 @@ pub fn three_rows(rows: &[UVec4], first: u32) -> [UVec4; 3] {
 #[inline(always)]
 pub fn four_rows(rows: &[UVec4], first: u32) -> [UVec4; 4] {
     [at(rows, first), at(rows, first + 1), at(rows, first + 2), at(rows, first + 3)]
+}
+
+/// Five rows of a buffer, from row `first` on.
+#[inline(always)]
+pub fn five_rows(rows: &[UVec4], first: u32) -> [UVec4; 5] {
+    let [a, b, c, d] = four_rows(rows, first);
+    [a, b, c, d, at(rows, first + 4)]
 }

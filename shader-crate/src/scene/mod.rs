@@ -84,10 +84,12 @@ impl<'a> SceneView<'a> {
         surfaces: &'a [UVec4],
         texels: &'a [u32],
     ) -> Self {
+        let bvh = BvhView::new(geometry, params.first_planes);
         Self {
-            bvh: BvhView::new(geometry, params.first_planes),
+            bvh,
             surfaces: SurfaceView {
                 rows: surfaces,
+                bvh,
                 first_attributes: params.first_attributes,
                 first_material: params.first_material,
                 offset_roundings: params.offset_roundings,

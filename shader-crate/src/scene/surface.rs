@@ -1,8 +1,9 @@
 //! From a hit to what shading needs to know.
 
 use crate::glam::{UVec4, Vec2, Vec3};
-use crate::memory::rows::{four_rows, three_rows};
+use crate::memory::rows::{four_rows, three_rows, two_rows};
 use crate::scene::bsdf::{Bsdf, Material};
+use crate::scene::bvh::BvhView;
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
 use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, Triangle};
@@ -14,6 +15,8 @@ use spirv_std::num_traits::Float as _;
 pub struct SurfaceView<'a> {
     /// The scene's buffer `surfaces`, see [`crate::scene`].
     pub rows: &'a [UVec4],
+    /// The geometry, which has the triangles' planes.
+    pub bvh: BvhView<'a>,
     /// Row of the first attributes.
     pub first_attributes: u32,
     /// Row of the first material.
@@ -27,7 +30,17 @@ pub struct SurfaceView<'a> {
 impl SurfaceView<'_> {
     /// The triangle number `index`, in the order of the BVH's leaves.
     pub fn triangle(&self, index: u32) -> Triangle {
-        Triangle::from_rows(three_rows(self.rows, index * Triangle::ROWS))
+        Triangle::from_rows(two_rows(self.rows, index * Triangle::ROWS))
+    }
+
+    /// The point of `triangle` where `ray` made `hit`.
+    pub fn point(&self, triangle: &Triangle, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let plane = self.bvh.plane(hit.triangle);
+        SurfacePoint {
+            position: triangle.point(&plane, ray, hit, self.offset_roundings),
+            normal: plane.normal,
+            offset_roundings: self.offset_roundings,
+        }
     }
 
     fn attributes(&self, index: u32) -> Attributes {
@@ -59,7 +72,7 @@ impl Surface {
     /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some).
     pub fn at(surfaces: &SurfaceView<'_>, ray: &Ray, hit: &Hit) -> Self {
         let triangle = surfaces.triangle(hit.triangle);
-        let point = triangle.surface_point(hit, surfaces.offset_roundings);
+        let point = surfaces.point(&triangle, ray, hit);
         let geometric = point.normal;
         let mut material = surfaces.material(triangle.material);
         let mut shading = geometric;

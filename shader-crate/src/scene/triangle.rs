@@ -2,35 +2,45 @@
 //! of them, see [`crate::scene::bvh::planes`].
 //!
 //! ```text
-//! triangle:   corner 0, material | edge to corner 1, attributes | edge to corner 2, unused
+//! triangle:   centroid, material | narrowness, attributes, least, unused
 //! attributes: normal 0, u0 | normal 1, v0 | normal 2, u1 | v1, u2, v2, unused
 //! ```
 //!
 //! Row layout: see [`crate::memory::rows`].
 
 use crate::glam::{UVec4, Vec3};
-use crate::math::{UNIT_ROUNDOFF, triangle_normal};
+use crate::math::UNIT_ROUNDOFF;
 use crate::memory::device_struct;
 use crate::memory::rows::{float, row, vector};
-use crate::scene::ray::{Hit, OFFSET_ROUNDINGS, SurfacePoint};
+use crate::scene::bvh::planes::Plane;
+use crate::scene::ray::{Hit, Ray};
 
 /// The attribute index of a triangle without normals and texture coordinates.
 pub const NO_ATTRIBUTES: u32 = u32::MAX;
 
-/// One triangle.
+/// How near a point may be to an edge of its triangle, in roundings of the largest coordinate of
+/// the ray that found it: those of the ray's end, which is that far off its line, and of where it
+/// would have met the neighbour, beyond whose plane it may lie.
+const INSET_ROUNDINGS: f32 = 8.0;
+/// The same in distances that rays start off the surface: so far from the edge, a ray's origin is
+/// still this side of a neighbour that stands at 30 degrees.
+const INSET_OFFSETS: f32 = 2.0;
+
+/// What shading needs of a triangle, besides its [plane](Plane).
 #[cfg_attr(not(target_arch = "spirv"), derive(Debug, PartialEq))]
 #[derive(Clone, Copy)]
 pub struct Triangle {
-    /// First corner, in world units.
-    pub corner: Vec3,
-    /// From the first corner to the second.
-    pub edge1: Vec3,
-    /// From the first corner to the third.
-    pub edge2: Vec3,
+    /// Mean of the corners, in world units.
+    pub centroid: Vec3,
     /// Index into the materials.
     pub material: u32,
+    /// One over the smallest of the three heights, in world units.
+    pub narrowness: f32,
     /// Index into the attributes, or [`NO_ATTRIBUTES`].
     pub attributes: u32,
+    /// The barycentric coordinates of a hit that are 0 on the triangle's own edges: the test is
+    /// that of a larger one.
+    pub least: f32,
 }
 
 device_struct! {
@@ -83,56 +93,51 @@ impl Attributes {
 
 impl Triangle {
     /// Rows of one.
-    pub const ROWS: u32 = 3;
+    pub const ROWS: u32 = 2;
 
-    /// Unpacks the three rows.
-    pub fn from_rows(rows: [UVec4; 3]) -> Self {
+    /// Unpacks the two rows.
+    pub fn from_rows(rows: [UVec4; 2]) -> Self {
         Self {
-            corner: vector(rows[0]),
-            edge1: vector(rows[1]),
-            edge2: vector(rows[2]),
+            centroid: vector(rows[0]),
             material: rows[0].w,
-            attributes: rows[1].w,
+            narrowness: f32::from_bits(rows[1].x),
+            attributes: rows[1].y,
+            least: f32::from_bits(rows[1].z),
         }
     }
 
-    /// The three rows.
-    pub fn to_rows(&self) -> [UVec4; 3] {
-        [row(self.corner, self.material), row(self.edge1, self.attributes), row(self.edge2, 0)]
+    /// The two rows.
+    pub fn to_rows(&self) -> [UVec4; 2] {
+        let [narrowness, least] = [self.narrowness, self.least].map(f32::to_bits);
+        [row(self.centroid, self.material), UVec4::new(narrowness, self.attributes, least, 0)]
     }
 
-    /// Unit normal of the front, the side from which the corners run counter-clockwise.
-    pub fn normal(&self) -> Vec3 {
-        triangle_normal(self.edge1, self.edge2)
-    }
-
-    /// The point of barycentric coordinates `(u, v)`, moved towards the centroid by a few
-    /// roundings: a point on an edge must not end up beyond the neighbour there, from where a ray
-    /// would leave a closed room.
-    fn interior_point(&self, u: f32, v: f32) -> Vec3 {
-        let shift = (OFFSET_ROUNDINGS * UNIT_ROUNDOFF * self.magnitude() / self.size()).min(1.0);
-        let towards_centroid = |w: f32| w + (1.0 / 3.0 - w) * shift;
-        self.corner + self.edge1 * towards_centroid(u) + self.edge2 * towards_centroid(v)
-    }
-
-    /// The point of `hit`, which is on this triangle, for rays that leave it by `offset_roundings`
-    /// (see [`OFFSET_ROUNDINGS`]).
-    pub fn surface_point(&self, hit: &Hit, offset_roundings: f32) -> SurfacePoint {
-        SurfacePoint {
-            position: self.interior_point(hit.u, hit.v),
-            normal: self.normal(),
-            magnitude: self.magnitude(),
-            offset_roundings,
+    /// The point where `ray` has hit this triangle, which lies in `plane`, for rays that leave it
+    /// by `offset_roundings` (see [`OFFSET_ROUNDINGS`](crate::scene::ray::OFFSET_ROUNDINGS)).
+    ///
+    /// It is found along the ray, since barycentric coordinates have the roundings of the whole
+    /// triangle. Then it is moved off the edges, towards the centroid: a point on an edge must not
+    /// end up beyond the neighbour there, from where a ray would leave a closed room. Last it is
+    /// moved onto the plane, from which it is too far if the ray came from far away.
+    #[inline(always)]
+    pub fn point(&self, plane: &Plane, ray: &Ray, hit: &Hit, offset_roundings: f32) -> Vec3 {
+        let mut point = ray.origin + ray.direction * hit.t;
+        let here = point.abs().max_element();
+        let reach = ray.origin.abs().max_element().max(here);
+        let distance =
+            UNIT_ROUNDOFF * (INSET_OFFSETS * offset_roundings * here + INSET_ROUNDINGS * reach);
+        // Each edge is as far away as its height times how much a barycentric coordinate is above
+        // `least`. At the centroid all three are a third.
+        let margin = distance * self.narrowness;
+        let inset = (self.least + margin).min(THIRD);
+        let nearest = hit.u.min(hit.v).min(1.0 - hit.u - hit.v);
+        // A point farther beyond the edge is on the triangle alone because that is enlarged, and
+        // there is no wall at the edge: it would have been nearer.
+        if nearest < inset && nearest > self.least - margin {
+            point += (self.centroid - point) * ((inset - nearest) / (THIRD - nearest));
         }
-    }
-
-    /// The largest extent of an edge along an axis, in world units.
-    pub fn size(&self) -> f32 {
-        self.edge1.abs().max(self.edge2.abs()).max_element()
-    }
-
-    /// The largest coordinate that enters a point: what its rounding error is relative to.
-    pub fn magnitude(&self) -> f32 {
-        (self.corner.abs() + self.edge1.abs() + self.edge2.abs()).max_element()
+        plane.nearest_point(point)
     }
 }
+
+const THIRD: f32 = 1.0 / 3.0;

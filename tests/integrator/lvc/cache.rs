@@ -143,7 +143,6 @@ fn traced_paths_make_the_same_cache_on_every_device() {
 fn a_vertex_survives_its_rows() {
     let vertex = LightVertex {
         position: Vec3::new(1.0, -2.0, 3.5),
-        magnitude: 7.0,
         geometric: Vec3::X,
         norm: 1e-30,
         normal: Vec3::NEG_Y,

@@ -208,7 +208,6 @@ impl Path {
             point: SurfacePoint {
                 position: vertex.position,
                 normal: vertex.geometric,
-                magnitude: 1.0,
                 offset_roundings: 1.0,
             },
             from_front: incoming.dot(vertex.geometric) < 0.0,

@@ -1,5 +1,6 @@
 //! Building the BVH, by the crate obvhs, and bringing it into the layout that the kernels read.
 
+use super::geometry::SceneTriangle;
 use crate::names::named;
 use crate::render::error::RenderError;
 use glam::{UVec4, Vec3A};
@@ -8,7 +9,6 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use raystream_shaders::scene::bvh::MAX_DEPTH;
 use raystream_shaders::scene::bvh::node::Node;
-use raystream_shaders::scene::triangle::Triangle;
 use std::time::Duration;
 
 /// How long to build for how fast a traversal.
@@ -38,17 +38,16 @@ pub struct Bvh {
 }
 
 /// Builds the hierarchy over `triangles`.
-pub fn build(triangles: &[Triangle], quality: BvhQuality) -> Result<Bvh, RenderError> {
+pub fn build(triangles: &[SceneTriangle], quality: BvhQuality) -> Result<Bvh, RenderError> {
     if triangles.is_empty() {
         // A root whose slots are all empty.
         return Ok(Bvh { nodes: vec![UVec4::ZERO; Node::ROWS as usize], order: Vec::new() });
     }
     let corners: Vec<_> = triangles
         .iter()
-        .map(|t| obvhs::triangle::Triangle {
-            v0: Vec3A::from(t.corner),
-            v1: Vec3A::from(t.corner + t.edge1),
-            v2: Vec3A::from(t.corner + t.edge2),
+        .map(|t| {
+            let [v0, v1, v2] = t.corners.map(Vec3A::from);
+            obvhs::triangle::Triangle { v0, v1, v2 }
         })
         .collect();
     let parameters = match quality {

@@ -1,18 +1,31 @@
 //! The triangles of a scene, with their corners' attributes.
 
+use super::triangles::Functions;
 use crate::scene::mesh::has_area;
 use crate::scene::{Mesh, Scene};
 use glam::{Vec2, Vec3};
-use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES, Triangle};
+use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES};
+
+/// A triangle of a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneTriangle {
+    /// Its corners in world units, counter-clockwise as seen from the front.
+    pub corners: [Vec3; 3],
+    /// Index into the materials.
+    pub material: u32,
+    /// Index into the attributes, or [`NO_ATTRIBUTES`].
+    pub attributes: u32,
+}
 
 /// The triangles of a scene: of its meshes in order, then two of each quad light.
 #[derive(Default)]
 pub struct Geometry {
     /// Those with an area.
-    pub triangles: Vec<Triangle>,
-    /// What [`Triangle::attributes`] points to.
+    pub triangles: Vec<SceneTriangle>,
+    /// What [`SceneTriangle::attributes`] points to.
     pub attributes: Vec<Attributes>,
-    /// How many had no area, and are left out.
+    /// How many had no area, or were thinner than the roundings of their own corners, and are left
+    /// out.
     pub degenerate: usize,
 }
 
@@ -44,23 +57,16 @@ impl Geometry {
     }
 
     fn add_triangle(&mut self, corners: [Vec3; 3], material: u32, attributes: Option<Attributes>) {
-        if !has_area(corners) {
+        if !has_area(corners) || Functions::of(corners).is_thin() {
             self.degenerate += 1;
             return;
         }
-        let [corner, b, c] = corners;
         let index = match attributes {
             Some(_) => self.attributes.len() as u32,
             None => NO_ATTRIBUTES,
         };
         self.attributes.extend(attributes);
-        self.triangles.push(Triangle {
-            corner,
-            edge1: b - corner,
-            edge2: c - corner,
-            material,
-            attributes: index,
-        });
+        self.triangles.push(SceneTriangle { corners, material, attributes: index });
     }
 }
 

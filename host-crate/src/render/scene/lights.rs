@@ -1,8 +1,10 @@
 //! The table of emissive triangles and their choice by power.
 
+use super::geometry::SceneTriangle;
+use super::triangles::Functions;
+use glam::Vec3;
 use raystream_shaders::scene::bsdf::Material;
 use raystream_shaders::scene::light::{Light, area_pdf, importance};
-use raystream_shaders::scene::triangle::Triangle;
 
 /// The lights of a scene.
 pub struct Lights {
@@ -15,8 +17,8 @@ pub struct Lights {
 }
 
 /// Finds the emissive triangles and builds their alias table.
-pub fn build(triangles: &[Triangle], materials: &[Material]) -> Lights {
-    let emissive: Vec<(&Triangle, &Material)> = triangles
+pub fn build(triangles: &[SceneTriangle], materials: &[Material]) -> Lights {
+    let emissive: Vec<(&SceneTriangle, &Material)> = triangles
         .iter()
         .map(|t| (t, &materials[t.material as usize]))
         .filter(|(_, material)| material.emits())
@@ -30,15 +32,21 @@ pub fn build(triangles: &[Triangle], materials: &[Material]) -> Lights {
     let table = emissive
         .iter()
         .zip(columns)
-        .map(|((triangle, material), (threshold, alias))| Light {
-            corner: triangle.corner,
-            threshold,
-            edge1: triangle.edge1,
-            alias,
-            edge2: triangle.edge2,
-            pdf: area_pdf(material.emission, total_importance as f32),
-            radiance: material.emission,
-            pad: 0,
+        .map(|((triangle, material), (threshold, alias))| {
+            let [corner, b, c] = triangle.corners;
+            let functions = Functions::of(triangle.corners);
+            Light {
+                corner,
+                threshold,
+                edge1: b - corner,
+                alias,
+                edge2: c - corner,
+                pdf: area_pdf(material.emission, total_importance as f32),
+                radiance: material.emission,
+                pad: 0,
+                normal: functions.normal.as_vec3(),
+                offset: functions.offset as f32,
+            }
         })
         .collect();
     let brightest =
@@ -46,8 +54,9 @@ pub fn build(triangles: &[Triangle], materials: &[Material]) -> Lights {
     Lights { table, total_importance: total_importance as f32, brightest }
 }
 
-fn area(triangle: &Triangle) -> f64 {
-    0.5 * triangle.edge1.as_dvec3().cross(triangle.edge2.as_dvec3()).length()
+fn area(triangle: &SceneTriangle) -> f64 {
+    let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
+    0.5 * (b - a).cross(c - a).length()
 }
 
 /// Columns (threshold out of 2^24, alias) that choose in proportion to `weights`: Vose, "A Linear

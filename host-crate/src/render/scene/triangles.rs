@@ -1,5 +1,6 @@
 //! The table of triangles, in both of its forms.
 
+use super::geometry::SceneTriangle;
 use glam::{DVec3, UVec4, Vec3};
 use raystream_shaders::math::UNIT_ROUNDOFF;
 use raystream_shaders::memory::rows::row;
@@ -8,39 +9,116 @@ use raystream_shaders::scene::triangle::Triangle;
 
 /// The rows for the test of the triangles of `order` (indices, some of them more than once), as
 /// [`raystream_shaders::scene::bvh::planes`] lays them out.
-pub fn planes(triangles: &[Triangle], order: &[u32]) -> Vec<UVec4> {
-    order.iter().flat_map(|&index| planes_of(&triangles[index as usize])).collect()
+pub fn planes(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
+    let rows = |&index: &u32| Functions::of(triangles[index as usize].corners).rows();
+    order.iter().flat_map(rows).collect()
 }
 
 /// The rows for shading of the same triangles, as [`raystream_shaders::scene::triangle`] lays them
 /// out.
-pub fn shading(triangles: &[Triangle], order: &[u32]) -> Vec<UVec4> {
-    order.iter().flat_map(|&index| triangles[index as usize].to_rows()).collect()
+pub fn shading(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
+    let rows = |&index: &u32| {
+        let SceneTriangle { corners, material, attributes } = triangles[index as usize];
+        let functions = Functions::of(corners);
+        let enlarged = functions.enlarged();
+        Triangle {
+            centroid: functions.centroid().as_vec3(),
+            material,
+            narrowness: functions.narrowness() as f32,
+            attributes,
+            least: (enlarged / (1.0 + 3.0 * enlarged)) as f32,
+        }
+        .to_rows()
+    };
+    order.iter().flat_map(rows).collect()
 }
 
-/// By how many roundings of its largest coordinate a triangle is enlarged for the test, so that no
-/// ray passes between two that share an edge. Of 200 000 rays that aim at an edge 10 358 pass if it
-/// is 0, 48 if it is 4, none from 8 on. (Möller and Trumbore's test, which does without, lets 849
-/// pass.)
-const ENLARGED: f64 = 8.0;
+/// By how many of its own roundings a barycentric coordinate may be below 0 and still count as on
+/// the triangle, so that no ray passes between two that share an edge.
+const ENLARGED: f64 = 4.0;
+/// The rounding of an f32.
+const ROUNDING: f64 = UNIT_ROUNDOFF as f64;
 
-/// The three rows of the test.
-fn planes_of(triangle: &Triangle) -> [UVec4; Planes::ROWS as usize] {
-    let [corner, edge1, edge2] =
-        [triangle.corner, triangle.edge1, triangle.edge2].map(|vector: Vec3| vector.as_dvec3());
-    let scale = 1.0
-        + ENLARGED * f64::from(UNIT_ROUNDOFF) * f64::from(triangle.magnitude())
-            / f64::from(triangle.size());
-    let centroid = corner + (edge1 + edge2) / 3.0;
-    let corner = centroid + (corner - centroid) * scale;
-    let normal = edge1.cross(edge2);
-    let unit = normal.normalize();
-    // (P - corner) x edge2 . normal is u times the normal's square, and so on.
-    let gradient = |across: DVec3| across / (normal.length_squared() * scale);
-    let u = gradient(edge2.cross(normal));
-    let v = gradient(normal.cross(edge1));
-    let plane = |vector: DVec3, offset: f64| row(vector.as_vec3(), (offset as f32).to_bits());
-    [plane(unit, unit.dot(corner)), plane(u, -u.dot(corner)), plane(v, -v.dot(corner))]
+/// A barycentric coordinate: an affine function of a point.
+#[derive(Clone, Copy)]
+struct Barycentric {
+    gradient: DVec3,
+    offset: f64,
+    /// The sum of the magnitudes that enter it, the largest on the triangle: its error in f32 is at
+    /// most five roundings of that, those of the four stored numbers among them.
+    magnitude: f64,
+}
+
+/// The exact functions of a triangle that the test and shading are made of.
+pub struct Functions {
+    corners: [DVec3; 3],
+    /// Unit normal of the front.
+    pub normal: DVec3,
+    /// `normal . x` of the points of its plane, in world units.
+    pub offset: f64,
+    /// The coordinate that is 1 at each corner.
+    barycentric: [Barycentric; 3],
+}
+
+impl Functions {
+    /// The functions of the triangle with these corners, which has an area.
+    pub fn of(corners: [Vec3; 3]) -> Self {
+        let corners = corners.map(Vec3::as_dvec3);
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let barycentric = [0, 1, 2].map(|corner| {
+            let (from, to) = (corners[(corner + 1) % 3], corners[(corner + 2) % 3]);
+            let gradient = normal.cross(to - from) / normal.length_squared();
+            let offset = -gradient.dot(from);
+            let sum = |point: DVec3| (gradient * point).abs().element_sum() + offset.abs();
+            let magnitude = corners.map(sum).into_iter().fold(0.0, f64::max);
+            Barycentric { gradient, offset, magnitude }
+        });
+        let normal = normal.normalize();
+        Self { corners, normal, offset: normal.dot(corners[0]), barycentric }
+    }
+
+    /// Whether roundings make up half of a barycentric coordinate: then it is thinner than what
+    /// its neighbours are enlarged by, so that they cover it.
+    pub fn is_thin(&self) -> bool {
+        self.enlarged() > 0.5
+    }
+
+    /// How far below 0 barycentric coordinates still count as on the triangle. It is one number for
+    /// all three, so the test is that of a triangle that was scaled about its centroid.
+    fn enlarged(&self) -> f64 {
+        let largest = self.barycentric.iter().map(|c| c.magnitude).fold(0.0, f64::max);
+        ENLARGED * ROUNDING * largest
+    }
+
+    /// Mean of the corners.
+    fn centroid(&self) -> DVec3 {
+        self.corners.iter().sum::<DVec3>() / 3.0
+    }
+
+    /// One over the smallest of the heights: the largest gradient.
+    fn narrowness(&self) -> f64 {
+        self.barycentric.iter().map(|c| c.gradient.length()).fold(0.0, f64::max)
+    }
+
+    /// The plane as a row, see [`raystream_shaders::scene::bvh::planes::Plane`].
+    pub fn plane(&self) -> UVec4 {
+        affine_row(self.normal, self.offset)
+    }
+
+    /// The three rows of the test.
+    fn rows(&self) -> [UVec4; Planes::ROWS as usize] {
+        let enlarged = self.enlarged();
+        let scale = 1.0 / (1.0 + 3.0 * enlarged);
+        let [u, v] = [1, 2].map(|corner| {
+            let Barycentric { gradient, offset, .. } = self.barycentric[corner];
+            affine_row(gradient * scale, (offset + enlarged) * scale)
+        });
+        [self.plane(), u, v]
+    }
+}
+
+fn affine_row(gradient: DVec3, offset: f64) -> UVec4 {
+    row(gradient.as_vec3(), (offset as f32).to_bits())
 }
 
 #[cfg(test)]
@@ -59,8 +137,8 @@ mod tests {
         }
     }
 
-    fn triangle([a, b, c]: [Vec3; 3]) -> Triangle {
-        Triangle { corner: a, edge1: b - a, edge2: c - a, material: 0, attributes: NO_ATTRIBUTES }
+    fn triangle(corners: [Vec3; 3]) -> SceneTriangle {
+        SceneTriangle { corners, material: 0, attributes: NO_ATTRIBUTES }
     }
 
     fn hit(table: &[UVec4], index: u32, ray: &Ray) -> Hit {
@@ -82,26 +160,17 @@ mod tests {
             let corners = [at + vector(size), at + vector(size), at + vector(size)];
             let (origin, triangle) = (at + vector(5.0 * size), triangle(corners));
             let table = planes(&[triangle], &[0]);
-            let rows = shading(&[triangle], &[0]);
-            let stored = Triangle::from_rows([rows[0], rows[1], rows[2]]);
-            assert_eq!(
-                (stored.corner, stored.edge1, stored.edge2),
-                (triangle.corner, triangle.edge1, triangle.edge2)
-            );
 
             let (u, v) = (0.1 + 0.4 * number().abs(), 0.1 + 0.3 * number().abs());
-            let target = triangle.corner + triangle.edge1 * u + triangle.edge2 * v;
+            let [edge1, edge2] = [1, 2].map(|k| triangle.corners[k] - triangle.corners[0]);
+            let target = triangle.corners[0] + edge1 * u + edge2 * v;
             let ray = Ray::new(origin, target - origin);
             // Coordinates are below 16 sizes. The distance, the point and a gradient take some ten
             // roundings of them each, and the triangle is enlarged by eight: so far is a point off,
             // in units of the triangle's height, seen along the ray.
-            let normal = triangle.edge1.cross(triangle.edge2);
-            let height = normal.length()
-                / triangle
-                    .edge1
-                    .length()
-                    .max(triangle.edge2.length())
-                    .max((triangle.edge1 - triangle.edge2).length());
+            let normal = edge1.cross(edge2);
+            let height =
+                normal.length() / edge1.length().max(edge2.length()).max((edge1 - edge2).length());
             let slant = normal.normalize().dot(ray.direction.normalize()).abs();
             let tolerance = 40.0 * UNIT_ROUNDOFF * 16.0 * size / (height * slant);
             if tolerance > 0.05 {

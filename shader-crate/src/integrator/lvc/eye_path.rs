@@ -202,7 +202,8 @@ impl EyeTracer<'_> {
         // Both ends leave their surfaces, so that neither occludes itself.
         let from = surface.point.offset_towards(direction);
         let offset_roundings = self.scene.surfaces.offset_roundings;
-        let to = light.point(offset_roundings).offset_towards(-direction);
+        let end = light.point(offset_roundings);
+        let to = end.end_towards(-direction, surface.point.position);
         self.add_unless_occluded(path, &Ray::segment(from, to - from, 1.0), reflected * weight);
     }
 

@@ -103,7 +103,6 @@ impl LightPath {
         let bent = from / cosine(surface.point.normal, self.ray.direction);
         LightVertex {
             position: surface.point.position,
-            magnitude: surface.point.magnitude,
             geometric: surface.point.normal,
             norm: self.subpath.norm(samples.of(segments), lambert(from)),
             normal: surface.bsdf.normal,

@@ -1,7 +1,7 @@
 //! A vertex of a light path, in 64 bytes: four `uvec4`s.
 //!
 //! ```text
-//! position xyz, magnitude | triangle's normal xyz, norm | shading normal xyz, segments | flux xyz, unused
+//! position xyz, unused | triangle's normal xyz, norm | shading normal xyz, segments | flux xyz, unused
 //! ```
 //!
 //! What the words of a row are, [`crate::memory::rows`] says. What a diffuse surface sends to a
@@ -23,8 +23,6 @@ pub const ROWS_PER_VERTEX: u32 = 4;
 pub struct LightVertex {
     /// Where it is, in world units.
     pub position: Vec3,
-    /// [`SurfacePoint::magnitude`]
-    pub magnitude: f32,
     /// Unit normal of the triangle, of either sign.
     pub geometric: Vec3,
     /// [`Subpath::norm`](super::mis::Subpath::norm) of the light path.
@@ -42,7 +40,7 @@ impl LightVertex {
     /// The four rows of the buffer.
     pub fn to_rows(&self) -> [UVec4; 4] {
         [
-            row(self.position, self.magnitude.to_bits()),
+            row(self.position, 0),
             row(self.geometric, self.norm.to_bits()),
             row(self.normal, self.segments),
             row(self.flux, 0),
@@ -53,7 +51,6 @@ impl LightVertex {
     pub fn from_rows(rows: [UVec4; 4]) -> Self {
         Self {
             position: vector(rows[0]),
-            magnitude: f32::from_bits(rows[0].w),
             geometric: vector(rows[1]),
             norm: f32::from_bits(rows[1].w),
             normal: vector(rows[2]),
@@ -69,12 +66,7 @@ impl LightVertex {
 
     /// Where it is, and how a ray leaves it.
     pub fn point(&self, offset_roundings: f32) -> SurfacePoint {
-        SurfacePoint {
-            position: self.position,
-            normal: self.geometric,
-            magnitude: self.magnitude,
-            offset_roundings,
-        }
+        SurfacePoint { position: self.position, normal: self.geometric, offset_roundings }
     }
 
     /// Writes it from row `first` on.

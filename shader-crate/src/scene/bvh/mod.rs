@@ -13,11 +13,11 @@ pub mod node;
 pub mod planes;
 
 use crate::glam::{UVec2, UVec4};
-use crate::memory::access::{local, local_mut, scratch};
+use crate::memory::access::{at, local, local_mut, scratch};
 use crate::memory::rows::three_rows;
 use crate::scene::ray::{Hit, Ray};
 use node::{BoxRay, Node};
-use planes::Planes;
+use planes::{Plane, Planes};
 
 /// Deepest hierarchy that can be traversed, in nodes on one path from the root: each of them leaves
 /// at most one group on the stack. Whoever builds a [`BvhView`]'s buffer checks it.
@@ -123,5 +123,10 @@ impl<'a> BvhView<'a> {
     #[inline(always)]
     pub fn planes(&self, index: u32) -> Planes {
         Planes { rows: three_rows(self.rows, self.first_planes + index * Planes::ROWS) }
+    }
+
+    /// The plane of the triangle number `index`.
+    pub fn plane(&self, index: u32) -> Plane {
+        Plane::from_row(at(self.rows, self.first_planes + index * Planes::ROWS))
     }
 }

@@ -1,16 +1,16 @@
 //! Emissive triangles, chosen by power.
 
 use crate::glam::{UVec4, Vec3};
-use crate::math::triangle_normal;
 use crate::math::wide::{Wide, multiply};
 use crate::memory::device_struct;
-use crate::memory::rows::{float, four_rows, vector};
+use crate::memory::rows::{five_rows, float, vector};
+use crate::scene::bvh::planes::Plane;
 use crate::scene::ray::SurfacePoint;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
 device_struct! {
-    /// One emissive triangle, and one column of the alias table that chooses among them. 64 bytes.
+    /// One emissive triangle, and one column of the alias table that chooses among them. 80 bytes.
     pub struct Light {
         /// First corner, in world units.
         pub corner: Vec3,
@@ -30,15 +30,19 @@ device_struct! {
         pub radiance: Vec3,
         /// Unused; zero.
         pub pad: u32,
+        /// Unit normal of the front.
+        pub normal: Vec3,
+        /// `normal . x` of the points `x` of its plane, in world units.
+        pub offset: f32,
     }
 }
 
 impl Light {
     /// Rows of one.
-    pub const ROWS: u32 = 4;
+    pub const ROWS: u32 = 5;
 
-    /// Unpacks the four rows, which are the struct's memory.
-    pub fn from_rows(rows: [UVec4; 4]) -> Self {
+    /// Unpacks the five rows, which are the struct's memory.
+    pub fn from_rows(rows: [UVec4; 5]) -> Self {
         Self {
             corner: vector(rows[0]),
             threshold: rows[0].w,
@@ -48,6 +52,8 @@ impl Light {
             pdf: float(rows[2]),
             radiance: vector(rows[3]),
             pad: rows[3].w,
+            normal: vector(rows[4]),
+            offset: float(rows[4]),
         }
     }
 }
@@ -76,19 +82,12 @@ pub struct LightPoint {
     pub radiance: Vec3,
     /// Density per area, choice included.
     pub pdf: f32,
-    /// The largest magnitude that entered the position, in world units.
-    pub magnitude: f32,
 }
 
 impl LightPoint {
     /// Where it is, and how a ray leaves it, see [`SurfacePoint::offset_roundings`].
     pub fn point(&self, offset_roundings: f32) -> SurfacePoint {
-        SurfacePoint {
-            position: self.position,
-            normal: self.normal,
-            magnitude: self.magnitude,
-            offset_roundings,
-        }
+        SurfacePoint { position: self.position, normal: self.normal, offset_roundings }
     }
 }
 
@@ -137,7 +136,7 @@ impl LightView<'_> {
 
     /// The light number `index`.
     pub fn light(&self, index: u32) -> Light {
-        Light::from_rows(four_rows(self.rows, self.first + index * Light::ROWS))
+        Light::from_rows(five_rows(self.rows, self.first + index * Light::ROWS))
     }
 
     /// A light, chosen by power with 32 random `bits`: Walker's alias method in integers.
@@ -165,12 +164,15 @@ impl LightView<'_> {
             let b = 0.5 * u[1];
             (u[0] - b, b)
         };
+        let Light { normal, offset, .. } = light;
+        // The sum has the roundings of the whole triangle; of those that count, the ones across it,
+        // the plane leaves what the point itself has.
+        let position = light.corner + light.edge1 * a + light.edge2 * b;
         LightPoint {
-            position: light.corner + light.edge1 * a + light.edge2 * b,
-            normal: triangle_normal(light.edge1, light.edge2),
+            position: Plane { normal, offset }.nearest_point(position),
+            normal,
             radiance: light.radiance,
             pdf: light.pdf,
-            magnitude: (light.corner.abs() + light.edge1.abs() + light.edge2.abs()).max_element(),
         }
     }
 
@@ -184,9 +186,7 @@ impl LightView<'_> {
         let direction = offset.normalize();
         let cosine = -direction.dot(light.normal);
         let shines = cosine > 0.0 && distance2 > 0.0;
-        // The light's rounding errors are those of what is near it, at least.
-        let magnitude = light.position.abs().max_element().max(from.magnitude);
-        let end = SurfacePoint { magnitude, ..light.point(self.offset_roundings) };
+        let end = light.point(self.offset_roundings).end_towards(light.normal, from.position);
         LightSample {
             direction,
             distance: distance2.sqrt(),
@@ -195,7 +195,7 @@ impl LightView<'_> {
             is_delta: false,
             area_pdf: light.pdf,
             cosine,
-            end: end.offset_towards(light.normal),
+            end,
         }
     }
 
