@@ -382,6 +382,13 @@ macro_rules! for_each_kernel {
                 read rays: $crate::scene::ray::Ray,
                 write hits: $crate::scene::ray::Hit,
             }
+            /// Finds the nearest hits of rays by testing all triangles.
+            brute_force_hits[128] = $crate::probe::brute_force_hits {
+                uniform parameters: $crate::probe::BruteForceParams,
+                with scene,
+                read rays: $crate::scene::ray::Ray,
+                write hits: $crate::scene::ray::Hit,
+            }
             /// Finds whether rays hit anything.
             any_hits[128] = $crate::probe::any_hits {
                 uniform parameters: $crate::integrator::params::PathParams,

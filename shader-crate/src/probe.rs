@@ -7,8 +7,31 @@ use crate::integrator::params::PathParams;
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers};
 use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::at;
-use crate::scene::SceneView;
+use crate::memory::device_struct;
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
+use crate::scene::{SceneParams, SceneView, TracingParams};
+
+device_struct! {
+    /// The parameters of a trace by brute force. 64 bytes.
+    pub struct BruteForceParams {
+        /// Rays.
+        pub threads: u32,
+        /// The first triangle to test, in the order of the BVH's leaves.
+        pub first: u32,
+        /// The end of those to test.
+        pub end: u32,
+        /// Unused; zero.
+        pub pad: u32,
+        /// The scene.
+        pub scene: SceneParams,
+    }
+}
+
+impl TracingParams for BruteForceParams {
+    fn scene(&self) -> SceneParams {
+        self.scene
+    }
+}
 
 /// Kernel: the ray through the centre of the pixel of slot `lane`.
 pub fn primary_rays(lane: u32, params: &PathParams, slots: &[Slot], ray: &mut Ray) {
@@ -65,6 +88,27 @@ pub fn shadow_rays(
 /// Kernel: the nearest hit of ray `lane`.
 pub fn closest_hits(lane: u32, _: &PathParams, scene: &SceneView<'_>, rays: &[Ray], hit: &mut Hit) {
     *hit = scene.bvh.closest_hit(&at(rays, lane));
+}
+
+/// Kernel: the nearest hit of ray `lane` among the triangles before `end`, where `hit` has that
+/// among those before `first`: what a hit is by definition. Launches take turns, since some drivers
+/// end loops of very many.
+pub fn brute_force_hits(
+    lane: u32,
+    params: &BruteForceParams,
+    scene: &SceneView<'_>,
+    rays: &[Ray],
+    hit: &mut Hit,
+) {
+    let ray = at(rays, lane);
+    let mut nearest = if params.first == 0 { Hit::miss(ray.t_max) } else { *hit };
+    let mut triangle = params.first;
+    while triangle < params.end {
+        let planes = scene.bvh.planes(triangle);
+        scene.bvh.test::<false>(&planes, &ray, triangle, &mut nearest);
+        triangle += 1;
+    }
+    *hit = nearest;
 }
 
 /// Kernel: 1 if ray `lane` hits anything, else 0.

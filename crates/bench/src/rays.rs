@@ -167,7 +167,7 @@ pub fn brute_force(scene: &PreparedScene, ray: &Ray) -> Hit {
     let bvh = scene.view().bvh;
     let mut hit = Hit::miss(ray.t_max);
     for triangle in 0..scene.scene_triangles.len() as u32 {
-        bvh.planes(triangle).test(ray, triangle, &mut hit);
+        bvh.test::<false>(&bvh.planes(triangle), ray, triangle, &mut hit);
     }
     hit
 }

@@ -1,7 +1,7 @@
 //! A scene on the device: three buffers, the parameters that say what lies where, and views.
 //!
 //! ```text
-//! geometry: nodes of the BVH | triangles, for the test
+//! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene
 //! surfaces: triangles, for shading | attributes | materials | lights
 //! texels:   see `texture`
 //! ```
@@ -51,8 +51,8 @@ device_struct! {
         pub first_light: u32,
         /// Largest component of the radiance that lights emit; 0 without lights.
         pub brightest: f32,
-        /// Unused; zero.
-        pub pad: u32,
+        /// Row of `geometry` with the numbers of triangles in the scene.
+        pub first_order: u32,
     }
 }
 
@@ -84,7 +84,7 @@ impl<'a> SceneView<'a> {
         surfaces: &'a [UVec4],
         texels: &'a [u32],
     ) -> Self {
-        let bvh = BvhView::new(geometry, params.first_planes);
+        let bvh = BvhView::new(geometry, params.first_planes, params.first_order);
         Self {
             bvh,
             surfaces: SurfaceView {

@@ -4,6 +4,7 @@ use super::triangles::Functions;
 use crate::scene::mesh::has_area;
 use crate::scene::{Mesh, Scene};
 use glam::{Vec2, Vec3};
+use rayon::slice::ParallelSliceMut;
 use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES};
 
 /// A triangle of a scene.
@@ -27,6 +28,9 @@ pub struct Geometry {
     /// How many had no area, or were thinner than the roundings of their own corners, and are left
     /// out.
     pub degenerate: usize,
+    /// How many have the corners of an earlier one, in the same order, and are left out: no ray
+    /// hits them, since it hits the first.
+    pub copies: usize,
 }
 
 /// Gathers the triangles of a scene that was checked. The material of the `n`-th quad light follows
@@ -41,6 +45,7 @@ pub fn gather(scene: &Scene) -> Geometry {
             geometry.add_triangle(corners, material, None);
         }
     }
+    geometry.leave_out_copies();
     geometry
 }
 
@@ -70,6 +75,25 @@ impl Geometry {
     }
 }
 
+impl Geometry {
+    fn leave_out_copies(&mut self) {
+        let bits = |index: &u32| {
+            self.triangles[*index as usize]
+                .corners
+                .map(|corner| corner.to_array().map(f32::to_bits))
+        };
+        let mut order: Vec<u32> = (0..self.triangles.len() as u32).collect();
+        order.par_sort_unstable_by(|a, b| bits(a).cmp(&bits(b)).then(a.cmp(b)));
+        let mut is_copy = vec![false; order.len()];
+        for pair in order.windows(2) {
+            is_copy[pair[1] as usize] = bits(&pair[0]) == bits(&pair[1]);
+        }
+        self.copies = is_copy.iter().filter(|&&is_copy| is_copy).count();
+        let mut is_copy = is_copy.into_iter();
+        self.triangles.retain(|_| is_copy.next() == Some(false));
+    }
+}
+
 fn attributes([normal0, normal1, normal2]: [Vec3; 3], coordinates: [Vec2; 3]) -> Attributes {
     let [[u0, v0], [u1, v1], [u2, v2]] = coordinates.map(|uv| uv.to_array());
     Attributes { normal0, u0, normal1, v0, normal2, u1, v1, u2, v2, pad: 0 }
@@ -81,18 +105,20 @@ mod tests {
     use crate::scene::{Camera, FilmSize, Material, QuadLight};
 
     #[test]
-    fn triangles_come_in_order_and_without_those_that_have_no_area() {
+    fn triangles_come_in_order_and_without_those_that_are_never_hit() {
         let camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
         let mut scene = Scene::new(camera, FilmSize { width: 4, height: 3 });
         let material = scene.add_material(Material::diffuse(Vec3::ONE));
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
         let mut mesh = Mesh::new(material, positions, vec![[0, 1, 2], [0, 1, 1], [2, 1, 0]]);
         scene.add_mesh(mesh.clone());
+        scene.add_mesh(mesh.clone());
+        mesh.positions[0].z = -1.0;
         mesh.normals = Some(vec![[Vec3::Z; 3], [Vec3::X; 3], [Vec3::NEG_Z; 3]]);
         scene.add_mesh(mesh);
         scene.add_quad_light(QuadLight::new(Vec3::Z, Vec3::X, Vec3::Y, Vec3::ONE));
-        let Geometry { triangles, attributes, degenerate } = gather(&scene);
-        assert_eq!(degenerate, 2);
+        let Geometry { triangles, attributes, degenerate, copies } = gather(&scene);
+        assert_eq!((degenerate, copies), (3, 2));
         let names: Vec<_> = triangles.iter().map(|t| (t.material, t.attributes)).collect();
         let flat = NO_ATTRIBUTES;
         assert_eq!(names, [(0, flat), (0, flat), (0, 0), (0, 1), (1, flat), (1, flat)]);

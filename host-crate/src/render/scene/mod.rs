@@ -30,11 +30,13 @@ pub struct PreparedScene {
     /// is zero.
     pub params: SceneParams,
     /// For each triangle in the order of the leaves, its number in the scene: those of the meshes
-    /// in order, then two for each quad light, those without area left out. Triangles that were
+    /// in order, then two for each quad light, those left out not counted. Triangles that were
     /// split appear several times.
     pub scene_triangles: Vec<u32>,
     /// How many triangles had no area, and were left out.
     pub degenerate: usize,
+    /// How many had the corners of an earlier one, which hides them, and were left out.
+    pub copies: usize,
     /// The camera.
     pub camera: Camera,
     /// How long paths may be, by the scene.
@@ -46,16 +48,17 @@ impl PreparedScene {
     ///
     /// # Errors
     ///
-    /// When [`Scene::check`] finds something, or the BVH is too deep.
+    /// When [`Scene::check`] finds something.
     pub fn new(scene: &Scene, quality: BvhQuality) -> Result<Self, RenderError> {
         scene.check()?;
-        let Geometry { triangles, attributes, degenerate } = geometry::gather(scene);
+        let Geometry { triangles, attributes, degenerate, copies } = geometry::gather(scene);
         let Textures { words: texels, places } = textures::pack(&scene.textures);
         let materials = materials::table(scene, &places);
-        let bvh = bvh::build(&triangles, quality)?;
+        let bvh = bvh::build(&triangles, quality);
         let lights = lights::build(&triangles, &materials);
         let mut geometry = bvh.nodes;
         let first_planes = append(&mut geometry, &triangles::planes(&triangles, &bvh.order));
+        let first_order = append(&mut geometry, &rows_of(&bvh.order));
         let mut surfaces = triangles::shading(&triangles, &bvh.order);
         let params = SceneParams {
             background: scene.background,
@@ -63,6 +66,7 @@ impl PreparedScene {
             total_importance: lights.total_importance,
             brightest: lights.brightest,
             first_planes,
+            first_order,
             first_attributes: append(&mut surfaces, &attributes),
             first_material: append(&mut surfaces, &materials),
             first_light: append(&mut surfaces, &lights.table),
@@ -75,6 +79,7 @@ impl PreparedScene {
             params,
             scene_triangles: bvh.order,
             degenerate,
+            copies,
             camera: scene.camera,
             limits: scene.limits,
         })
@@ -89,6 +94,13 @@ impl PreparedScene {
     pub fn buffers<E: Executor>(&self, executor: &E) -> Result<SceneBuffers<E::Buffer>, ExecError> {
         SceneBuffers::new(executor, &self.geometry, &self.surfaces, &self.texels)
     }
+}
+
+/// Four words to a row, the last filled up by zeros.
+fn rows_of(words: &[u32]) -> Vec<UVec4> {
+    let word = |row: &[u32], column: usize| row.get(column).copied().unwrap_or(0);
+    let row = |row: &[u32]| UVec4::new(row[0], word(row, 1), word(row, 2), word(row, 3));
+    words.chunks(4).map(row).collect()
 }
 
 /// Adds the rows of `elements`, whose sizes are multiples of a row's; the number of the first one.

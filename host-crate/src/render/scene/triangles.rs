@@ -1,9 +1,10 @@
 //! The table of triangles, in both of its forms.
 
 use super::geometry::SceneTriangle;
-use glam::{DVec3, UVec4, Vec3};
+use glam::{DVec3, UVec4, Vec3, Vec3A};
 use raystream_shaders::math::UNIT_ROUNDOFF;
 use raystream_shaders::memory::rows::row;
+use raystream_shaders::scene::bvh::node::BOX_ROUNDINGS;
 use raystream_shaders::scene::bvh::planes::Planes;
 use raystream_shaders::scene::triangle::Triangle;
 
@@ -36,6 +37,9 @@ pub fn shading(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
 /// By how many of its own roundings a barycentric coordinate may be below 0 and still count as on
 /// the triangle, so that no ray passes between two that share an edge.
 const ENLARGED: f64 = 4.0;
+/// The roundings that computing a coordinate takes, see [`Barycentric::magnitude`], and one that its
+/// sum with another takes.
+const EVALUATED: f64 = 6.0;
 /// The rounding of an f32.
 const ROUNDING: f64 = UNIT_ROUNDOFF as f64;
 
@@ -100,6 +104,19 @@ impl Functions {
         self.barycentric.iter().map(|c| c.gradient.length()).fold(0.0, f64::max)
     }
 
+    /// How far from the triangle, in each axis and in world units, the point may lie that the test
+    /// takes for one on it, with what
+    /// [`BoxRay`](raystream_shaders::scene::bvh::node::BoxRay) asks for.
+    pub fn margin(&self) -> Vec3A {
+        let accepted = self.enlarged() * (ENLARGED + EVALUATED) / ENLARGED;
+        let centroid = self.centroid();
+        let reach = |corner: &DVec3| (corner - centroid).abs() * (3.0 * accepted);
+        let grown = self.corners.iter().map(reach).fold(DVec3::ZERO, DVec3::max);
+        let largest = self.corners.iter().map(|corner| corner.abs().max_element());
+        let magnitude = largest.fold(0.0, f64::max) + grown.max_element();
+        Vec3A::from((grown + f64::from(BOX_ROUNDINGS) * ROUNDING * magnitude).as_vec3())
+    }
+
     /// The plane as a row, see [`raystream_shaders::scene::bvh::planes::Plane`].
     pub fn plane(&self) -> UVec4 {
         affine_row(self.normal, self.offset)
@@ -145,7 +162,10 @@ mod tests {
         let mut hit = Hit::miss(ray.t_max);
         let first = (index * Planes::ROWS) as usize;
         let rows = [table[first], table[first + 1], table[first + 2]];
-        Planes { rows }.test(ray, index, &mut hit);
+        let (t, u, v) = Planes { rows }.intersect(ray.origin, ray.direction);
+        if t > 0.0 && t < hit.t {
+            hit = Hit { t, u, v, triangle: index };
+        }
         hit
     }
 

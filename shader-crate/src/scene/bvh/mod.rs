@@ -8,6 +8,12 @@
 //! bit 24 + k is a child still to visit, k its place in the order in which this ray's octant visits
 //! children, nearest highest. A **triangle group** is (first triangle, a bit for each triangle
 //! still to test).
+//!
+//! **The hit is a definition**, and not what an order of visits makes of it: of the triangles that
+//! [`Planes::intersect`] finds in front of a ray, the one with the least distance, and of those with
+//! the same distance the one that comes first in the scene. Boxes are wide enough for that (see
+//! [`BoxRay`]), so every traversal of every hierarchy finds the same, and so does testing all
+//! triangles.
 
 pub mod node;
 pub mod planes;
@@ -15,7 +21,7 @@ pub mod planes;
 use crate::glam::{UVec2, UVec4};
 use crate::memory::access::{at, local, local_mut, scratch};
 use crate::memory::rows::three_rows;
-use crate::scene::ray::{Hit, Ray};
+use crate::scene::ray::{Hit, NO_TRIANGLE, Ray};
 use node::{BoxRay, Node};
 use planes::{Plane, Planes};
 
@@ -31,16 +37,19 @@ const PENDING: u32 = 0xff00_0000;
 pub struct BvhView<'a> {
     rows: &'a [UVec4],
     first_planes: u32,
+    first_order: u32,
 }
 
 impl<'a> BvhView<'a> {
-    /// Wraps the buffer of the nodes and, from row `first_planes` on, the triangles. There is at
-    /// least the root, no path is longer than [`MAX_DEPTH`], and all indices are in range.
-    pub fn new(rows: &'a [UVec4], first_planes: u32) -> Self {
-        Self { rows, first_planes }
+    /// Wraps the buffer of the nodes and, from row `first_planes` on, the triangles and, from row
+    /// `first_order` on, the number of each in the scene, four to a row. There is at least the root,
+    /// no path is longer than [`MAX_DEPTH`], and all indices are in range.
+    pub fn new(rows: &'a [UVec4], first_planes: u32, first_order: u32) -> Self {
+        Self { rows, first_planes, first_order }
     }
 
-    /// The nearest triangle that `ray` hits in `0 < t < ray.t_max`.
+    /// The nearest triangle that `ray` hits in `0 < t < ray.t_max`; of several the first in the
+    /// scene.
     pub fn closest_hit(&self, ray: &Ray) -> Hit {
         self.traverse::<false>(ray)
     }
@@ -105,8 +114,8 @@ impl<'a> BvhView<'a> {
                 triangles &= triangles.wrapping_sub(1);
                 // Both are loaded before one is tested, so that one latency hides the other.
                 let planes = (self.planes(first), self.planes(second));
-                planes.0.test(ray, first, &mut hit);
-                planes.1.test(ray, second, &mut hit);
+                self.test::<ANY_HIT>(&planes.0, ray, first, &mut hit);
+                self.test::<ANY_HIT>(&planes.1, ray, second, &mut hit);
                 if ANY_HIT && hit.is_some() {
                     // Nothing is left to do.
                     triangles = 0;
@@ -117,6 +126,31 @@ impl<'a> BvhView<'a> {
                 return hit;
             }
         }
+    }
+
+    /// Makes triangle number `index`, whose planes these are, the hit of `ray` where it is the nearer
+    /// one or, unless any will do, as near and earlier in the scene.
+    #[inline(always)]
+    pub fn test<const ANY_HIT: bool>(&self, planes: &Planes, ray: &Ray, index: u32, hit: &mut Hit) {
+        let (t, u, v) = planes.intersect(ray.origin, ray.direction);
+        let is_nearer = t > 0.0 && t < hit.t;
+        let is_hit = is_nearer || !ANY_HIT && t == hit.t && self.precedes(index, hit.triangle);
+        if is_hit {
+            *hit = Hit { t, u, v, triangle: index };
+        }
+    }
+
+    /// Whether triangle number `index` is earlier in the scene than number `other`, if that is one.
+    fn precedes(&self, index: u32, other: u32) -> bool {
+        other != NO_TRIANGLE && self.scene_triangle(index) < self.scene_triangle(other)
+    }
+
+    /// The number in the scene of the triangle number `index` in the order of the leaves.
+    fn scene_triangle(&self, index: u32) -> u32 {
+        let row = at(self.rows, self.first_order + index / 4);
+        let [low, high] = [[row.x, row.y], [row.z, row.w]];
+        let [even, odd] = if index & 2 == 0 { low } else { high };
+        if index & 1 == 0 { even } else { odd }
     }
 
     /// The triangle number `index`, in the order of the leaves.

@@ -10,15 +10,19 @@
 //! ```
 
 use crate::glam::{UVec4, Vec3, Vec4};
+use crate::math::UNIT_ROUNDOFF;
 use crate::memory::access::at;
 use crate::scene::ray::Ray;
 
 /// Smallest magnitude of a direction's component in the box test: with it the reciprocal stays
 /// finite and an axis-parallel ray gives large numbers of the right sign, not NaN.
 const MIN_DIRECTION: f32 = 1e-18;
-/// Widens a box's exit by the roundings of its test, so that a ray through an edge that two boxes
-/// share hits one.
-const WIDEN: f32 = 1.000_001;
+/// By how many roundings of the largest coordinate of its origin a ray is taken to be wide, see
+/// [`BoxRay`].
+const RAY_WIDTH: f32 = 32.0;
+/// By how many roundings of its largest coordinate a triangle's box has to be wider than what its
+/// test accepts, see [`BoxRay`].
+pub const BOX_ROUNDINGS: f32 = 32.0;
 
 /// One node, as it lies in memory.
 #[derive(Clone, Copy)]
@@ -82,10 +86,28 @@ impl Node {
 }
 
 /// What the box test needs of a ray.
+///
+/// **No box hides a hit.** Let a triangle's test find a hit at `t` on a ray from `o` along `d`, let
+/// `p` be the point that it computed, `u` = 2^-24, and `n` the plane's unit normal.
+///
+/// - `p` passed as inside the triangle, so it lies over what the test accepts, the triangle with
+///   its own roundings.
+/// - `p` lies off the plane by the error of `t` times `n . d`: three roundings of
+///   `|n| . |o|`, three of `t |n| . |d|`, where `t |d| <= |o| + |p|`, and up to five of
+///   `c - n . o`, where a driver's division has five. With `|n.x| + |n.y| + |n.z| <= sqrt(3)` that
+///   is below 20 u of each of the largest coordinates of `o` and of `p`.
+/// - In each axis `p` is `o + t d` but for a rounding of `t d` and one of the sum, and the test of a
+///   plane of a box at `x` has an error of up to ten roundings of `x - o`, again in the plane's
+///   place: below 12 u of each.
+///
+/// What is relative to `p` is in the boxes ([`BOX_ROUNDINGS`], and the steps of a node's grid, see
+/// the host), what is relative to `o` is the width of the ray. Both are 32 u.
 #[derive(Clone, Copy)]
 pub struct BoxRay {
     origin: Vec3,
     inverse_direction: Vec3,
+    /// Half of its width, in world units.
+    width: f32,
     /// The place of child slot k in this ray's order is `k ^ octant`: bits 2, 1, 0 are set where x,
     /// y, z grow along the ray.
     pub octant: u32,
@@ -101,6 +123,7 @@ impl BoxRay {
         Self {
             origin: ray.origin,
             inverse_direction,
+            width: RAY_WIDTH * UNIT_ROUNDOFF * ray.origin.abs().max_element(),
             octant: grows(inverse_direction.x, 4)
                 | grows(inverse_direction.y, 2)
                 | grows(inverse_direction.z, 1),
@@ -113,6 +136,8 @@ impl BoxRay {
     pub fn intersect(&self, node: &Node, t_max: f32) -> u32 {
         let scale = node.step() * self.inverse_direction;
         let offset = (node.origin() - self.origin) * self.inverse_direction;
+        let width = self.inverse_direction.abs() * self.width;
+        let (enters, leaves) = (offset - width, offset + width);
         // Near and far planes: min and max swap where the ray runs backwards.
         let order = |planes: UVec4, inverse: f32| {
             if inverse < 0.0 { UVec4::new(planes.z, planes.w, planes.x, planes.y) } else { planes }
@@ -125,13 +150,13 @@ impl BoxRay {
             let plane =
                 |word: u32, scale: f32, offset: f32| bytes(word) * scale + Vec4::splat(offset);
             let enter = larger(
-                larger(plane(near[0], scale.x, offset.x), plane(near[1], scale.y, offset.y)),
-                larger(plane(near[2], scale.z, offset.z), Vec4::ZERO),
+                larger(plane(near[0], scale.x, enters.x), plane(near[1], scale.y, enters.y)),
+                larger(plane(near[2], scale.z, enters.z), Vec4::ZERO),
             );
             let leave = smaller(
-                smaller(plane(far[0], scale.x, offset.x), plane(far[1], scale.y, offset.y)),
-                smaller(plane(far[2], scale.z, offset.z), Vec4::splat(t_max)),
-            ) * WIDEN;
+                smaller(plane(far[0], scale.x, leaves.x), plane(far[1], scale.y, leaves.y)),
+                smaller(plane(far[2], scale.z, leaves.z), Vec4::splat(t_max)),
+            );
             (enter, leave)
         };
         let meta = [node.children.z, node.children.w];

@@ -8,7 +8,6 @@
 
 use crate::glam::{UVec4, Vec3};
 use crate::memory::rows::{float, vector};
-use crate::scene::ray::{Hit, Ray};
 
 /// The plane of a triangle.
 #[derive(Clone, Copy)]
@@ -56,7 +55,7 @@ impl Planes {
     /// 2010, but for the division, which they put off. No threshold on the angle: a line in the
     /// plane gives infinities or NaN, which fail a comparison.
     #[inline(always)]
-    fn intersect(&self, origin: Vec3, direction: Vec3) -> (f32, f32, f32) {
+    pub fn intersect(&self, origin: Vec3, direction: Vec3) -> (f32, f32, f32) {
         let [_, u_plane, v_plane] = self.rows;
         let Plane { normal, offset } = self.plane();
         let t = (offset - normal.dot(origin)) / normal.dot(direction);
@@ -65,14 +64,5 @@ impl Planes {
         let v = vector(v_plane).dot(point) + float(v_plane);
         let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
         (if inside { t } else { -1.0 }, u, v)
-    }
-
-    /// Makes triangle number `index`, which this one is, the hit of `ray` where it is nearer.
-    #[inline(always)]
-    pub fn test(&self, ray: &Ray, index: u32, hit: &mut Hit) {
-        let (t, u, v) = self.intersect(ray.origin, ray.direction);
-        if t > 0.0 && t < hit.t {
-            *hit = Hit { t, u, v, triangle: index };
-        }
     }
 }
