@@ -1,6 +1,6 @@
 //! The film on the host: what was measured of every pixel, in rows from the top left.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use raystream_shaders::estimator::Estimate;
 use raystream_shaders::film::FilmPixel;
 use raystream_shaders::integrator::first_hits::FeaturePixel;
@@ -79,10 +79,13 @@ impl Film {
                 if p.samples() < 2 {
                     return Vec3::INFINITY;
                 }
-                let n = p.samples() as f32;
-                let m = p.sum() / n;
+                let exact = |high: Vec3, low: Vec3| high.as_dvec3() + low.as_dvec3();
+                let n = f64::from(p.samples());
+                let sum = exact(p.first_sum, p.first_low) + exact(p.second_sum, p.second_low);
+                let m = sum / n;
+                let squares = exact(p.sum_of_squares, p.squares_low) / n;
                 // Rounding can take a constant pixel below zero.
-                ((p.sum_of_squares / n - m * m) / (n - 1.0)).max(Vec3::ZERO)
+                ((squares - m * m) / (n - 1.0)).max(DVec3::ZERO).as_vec3()
             })
             .collect()
     }

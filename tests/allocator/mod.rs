@@ -78,7 +78,7 @@ impl Round {
                     radiance: vector(0),
                     rays: word(6) >> 20,
                     squared: vector(3),
-                    pad: 0,
+                    zero: 0,
                 }
             })
             .collect()

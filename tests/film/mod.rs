@@ -1,3 +1,4 @@
 //! The film.
 
 mod accumulate;
+mod sums;

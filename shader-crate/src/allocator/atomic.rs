@@ -140,7 +140,8 @@ pub fn fill_reserved(
 pub const STRETCH: u32 = 64;
 
 /// Kernel: adds the contributions of stretch `lane` of the stream to the pixels of the window.
-/// `film` holds [`FilmPixel`]s; the stream ends where the slots do.
+/// `film` holds [`FilmPixel`]s; the stream ends where the slots do. What additions to the film round
+/// off is lost, as it is in the method that this allocator measures: no two words change at once.
 pub fn accumulate_atomic(
     lane: u32,
     window: &RunWindow,
@@ -155,14 +156,8 @@ pub fn accumulate_atomic(
         let rank = at(slots, slot).rank;
         // Counts begin at 1, since naga takes a number for lost that comes from a loop and goes
         // into an atomic as it is.
-        let mut sums = FilmPixel {
-            first_sum: Vec3::ZERO,
-            first_samples: 1,
-            second_sum: Vec3::ZERO,
-            second_samples: 1,
-            sum_of_squares: Vec3::ZERO,
-            rays: 1,
-        };
+        let mut sums =
+            FilmPixel { first_samples: 1, second_samples: 1, rays: 1, ..FilmPixel::NOTHING };
         while slot < end && at(slots, slot).rank == rank {
             sums.add(&contributions.get(slot), at(slots, slot).sample >= SECOND_HALF);
             slot += 1;

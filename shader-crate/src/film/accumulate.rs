@@ -1,9 +1,9 @@
 //! How a round's contributions get into the film.
 //!
-//! Accumulation is exact: a pixel is owned by one thread, adds its run in slot order, and every
-//! addition is a plain `sum = sum + c` whose operand was loaded from memory, so there is no product
-//! to fuse and no order to vary. The same contributions give the same film, bit for bit, on any
-//! processor that adds like IEEE 754.
+//! Accumulation is exact: a pixel is owned by one thread, which adds its run in slot order, and the
+//! additions are those of [compensated sums](super::sum), which leave a compiler nothing to fuse
+//! and no order to vary. The same contributions give the same film, bit for bit, on any processor
+//! that adds like IEEE 754.
 
 use super::stream::{RunWindow, Runs, counted, is_second};
 use super::{Contribution, FilmPixel};
@@ -37,7 +37,7 @@ impl<'a> ContributionView<'a> {
             radiance: vector(radiance),
             rays: radiance.w,
             squared: vector(squared),
-            pad: 0,
+            zero: squared.w,
         }
     }
 }

@@ -1,0 +1,144 @@
+//! Sums of very many samples: the same on the GPU and on the CPU, bit for bit, and right.
+
+use glam::Vec3;
+use raystream::exec::cpu::CpuExecutor;
+use raystream::exec::{Array, Executor, kernels};
+use raystream::scene::{FilmSize, QuadLight, Scene};
+use raystream_shaders::film::stream::{BY_TURNS, RunWindow};
+use raystream_shaders::film::{Contribution, FilmPixel};
+use raystream_shaders::math::random::{hash, unit_float};
+use raystream_tests::{prepare, render_on, scenes, settings, with_gpu};
+
+/// Pixels of the film, each a multiple of the one before in brightness.
+const PIXELS: u32 = 64;
+
+/// A film that has been given the same `run` of contributions for each pixel `times` times.
+fn accumulated<E: Executor>(executor: &E, run: &[Contribution], times: u32) -> Vec<FilmPixel> {
+    let samples = run.len() as u32 / PIXELS;
+    let window = RunWindow {
+        threads: PIXELS,
+        first_rank: 0,
+        pixels: PIXELS,
+        samples,
+        first_slot: 0,
+        half: BY_TURNS,
+        pad0: 0,
+        pad1: 0,
+    };
+    let starts: Array<_, u32> = Array::zeroed(executor, "starts", 1).unwrap();
+    let contributions = Array::from_slice(executor, "contributions", run).unwrap();
+    let film = Array::zeroed(executor, "film", PIXELS as usize).unwrap();
+    for _ in 0..times {
+        let (from, to) = (contributions.view().cast(), film.view());
+        executor.run(&[kernels::accumulate_runs(&window, starts.view(), from, to)]).unwrap();
+    }
+    film.read(executor).unwrap()
+}
+
+/// Asserts that the means of a film are those of the contributions that it was given.
+fn assert_means(film: &[FilmPixel], run: &[Contribution], what: &str) {
+    let samples = run.len() / PIXELS as usize;
+    for (pixel, run) in film.iter().zip(run.chunks(samples)) {
+        let mean = |of: &dyn Fn(&Contribution) -> Vec3| {
+            run.iter().map(|c| of(c).as_dvec3()).sum::<glam::DVec3>() / samples as f64
+        };
+        let count = f64::from(pixel.samples());
+        let error = (pixel.sum().as_dvec3() / count - mean(&|c| c.radiance)).abs();
+        let squares = (pixel.sum_of_squares.as_dvec3() / count - mean(&|c| c.squared)).abs();
+        // Two roundings of each half's sum, one of their sum.
+        let bound = 4.0 * 2_f64.powi(-24);
+        assert!(
+            error.cmple(bound * mean(&|c| c.radiance)).all()
+                && squares.cmple(bound * mean(&|c| c.squared)).all(),
+            "{what}: {pixel:?} after {count} samples"
+        );
+    }
+}
+
+#[test]
+fn long_sums_are_right_and_equal_on_all_devices() {
+    let constant = |slot: u32, samples: u32| {
+        let value = 0.1 * 1.3_f32.powi((slot / samples) as i32 - 30);
+        Vec3::new(value, value / 3.0, 0.7 * value)
+    };
+    let random = |slot: u32, samples: u32| {
+        let number = |k: u32| unit_float(hash(slot * 3 + k)).powi(4);
+        constant(slot, samples) * Vec3::new(number(0), number(1), number(2))
+    };
+    let kinds: [(&str, &dyn Fn(u32, u32) -> Vec3); 2] =
+        [("constants", &constant), ("random numbers", &random)];
+    for (what, radiance) in kinds {
+        let samples = 4096;
+        let run: Vec<Contribution> = (0..PIXELS * samples)
+            .map(|slot| Contribution::of(radiance(slot, samples), 1))
+            .collect();
+        // 2^20 samples a pixel: plain sums would be off by a percent.
+        let film = accumulated(&CpuExecutor, &run, 256);
+        assert_means(&film, &run, what);
+        with_gpu(|gpu| {
+            let times = 32;
+            let film = accumulated(&CpuExecutor, &run, times);
+            assert!(accumulated(gpu, &run, times) == film, "{what}: the GPU's sums");
+        });
+    }
+}
+
+/// A lamp that fills a picture of so many pixels a side.
+fn lamp(radiance: f32, side: u32) -> Scene {
+    let mut scene = scenes::empty(Vec3::Z * 3.0, Vec3::ZERO);
+    scene.film = FilmSize { width: side, height: side };
+    let (u, v) = (Vec3::X * 8.0, Vec3::Y * 8.0);
+    let light = QuadLight::new(-0.5 * (u + v), u, v, Vec3::splat(radiance));
+    scene.add_quad_light(light);
+    scene
+}
+
+#[test]
+fn a_pixel_full_of_light_has_its_radiance_after_ten_million_samples() {
+    let radiance = 0.1;
+    let assert_exact = |film: &raystream::film::Film, what: &str| {
+        for (color, variance) in film.color().iter().zip(film.variance()) {
+            let error = (color / radiance - Vec3::ONE).abs().max_element();
+            assert!(error < 1e-6, "{what}: off by {error:e}");
+            // A constant has no noise but the rounding of its square.
+            let spread = variance.max_element() * (film.samples()[0] - 1) as f32;
+            assert!(spread < 1e-7 * radiance * radiance, "{what}: {spread:e}");
+        }
+    };
+    let (scene, samples) = (lamp(radiance, 1), 10_000_000);
+    let film = render_on(&CpuExecutor, &prepare(&scene), &settings(&scene), samples);
+    assert_eq!(film.samples(), [samples]);
+    assert_exact(&film, "on the CPU");
+    with_gpu(|gpu| {
+        let scene = lamp(radiance, 16);
+        let film = render_on(gpu, &prepare(&scene), &settings(&scene), 1 << 14);
+        assert_exact(&film, "on a GPU");
+    });
+}
+
+/// A white floor under a small lamp: the mean is known in closed form, and so is the noise.
+#[test]
+fn a_lit_pixel_keeps_its_mean_over_millions_of_samples() {
+    let (side, height, radiance) = (0.1_f64, 1.0_f64, 100.0_f64);
+    let mut scene = scenes::empty(Vec3::new(0.0, 0.5, 0.0001), Vec3::ZERO);
+    scene.camera.up = Vec3::NEG_Z;
+    scene.camera.fov_y = 0.1;
+    scene.film = FilmSize { width: 1, height: 1 };
+    scene.limits.max_depth = 2;
+    let floor = scene.add_material(scenes::diffuse(1.0));
+    scenes::add_quad(&mut scene, Vec3::new(-1.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0, floor);
+    let corner = Vec3::new(-0.5 * side as f32, height as f32, -0.5 * side as f32);
+    let (u, v) = (Vec3::X * side as f32, Vec3::Z * side as f32);
+    scene.add_quad_light(QuadLight::new(corner, u, v, Vec3::splat(radiance as f32)));
+    // Form factor of a square, seen from below its middle: four of its quarters.
+    let ratio = 0.5 * side / height;
+    let root = (1.0 + ratio * ratio).sqrt();
+    let factor = 4.0 * 2.0 * ratio / root * (ratio / root).atan() / std::f64::consts::TAU;
+    let expected = radiance * factor;
+    let film = render_on(&CpuExecutor, &prepare(&scene), &settings(&scene), 1 << 22);
+    let (color, error) = (f64::from(film.color()[0].x), f64::from(film.variance()[0].x).sqrt());
+    assert!(
+        (color - expected).abs() < 5.0 * error + 1e-6 * expected && error < 1e-3 * expected,
+        "{color} +- {error}, not {expected}"
+    );
+}
