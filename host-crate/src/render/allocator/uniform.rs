@@ -39,6 +39,10 @@ impl<B> Uniform<B> {
     }
 }
 
+/// Samples of a pixel in one stream, at most: one lane adds them up, and some drivers end loops of
+/// very many turns.
+const LONGEST_RUN: u32 = 1 << 16;
+
 /// What is left of a uniform round: streams are made of it one by one, each no longer than is wanted
 /// by then.
 #[derive(Clone, Debug)]
@@ -64,7 +68,8 @@ impl Windows {
             return None;
         }
         if self.next == 0 {
-            self.pass = self.samples.min((largest / WINDOW_ALIGNMENT).max(1));
+            let smallest = WINDOW_ALIGNMENT.min(film.pixels());
+            self.pass = self.samples.min((largest / smallest).clamp(1, LONGEST_RUN));
         }
         let left = self.next..film.pixels();
         let (band, _) = film.bands_of(&left).next()?;
