@@ -2,6 +2,7 @@
 
 use super::choices::choice;
 use super::loading::LoadArguments;
+use super::output::say;
 use super::progress::Waiting;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
@@ -196,14 +197,19 @@ impl SettingsArguments {
         }
     }
 
-    /// Builds the scene's BVH and lights, and says so if that takes long, unless `quiet`.
+    /// Builds the scene's BVH and lights. Prints what is left out and, unless `quiet`, that it
+    /// takes long.
     pub fn prepare(&self, scene: Scene, quiet: bool) -> Result<PreparedScene, RenderError> {
         let what = format!("building the hierarchy of {} triangles", scene.triangle_count());
         let started = Instant::now();
-        let _waiting = Waiting::start(quiet, what);
-        let prepared = PreparedScene::new(&scene, self.bvh);
+        let waiting = Waiting::start(quiet, what);
+        let prepared = PreparedScene::new(&scene, self.bvh)?;
+        drop(waiting);
         tracing::debug!("built the hierarchy in {:.2} s", started.elapsed().as_secs_f64());
-        prepared
+        for warning in prepared.warnings() {
+            say(&format!("warning: {}: {warning}", scene.name));
+        }
+        Ok(prepared)
     }
 
     /// The settings as pairs of name and value, for a picture's header.

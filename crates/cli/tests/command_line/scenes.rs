@@ -119,6 +119,51 @@ fn what_works_with_a_warning() {
     warned(&SceneFolder::new().with("a.obj", degenerate), &["a.obj", "1 triangles without area"]);
 }
 
+/// The mean of a picture.
+fn mean(path: &std::path::Path) -> f32 {
+    let image = raystream::image::read_color(path).unwrap();
+    image.pixels.iter().map(|pixel| pixel.element_sum() / 3.0).sum::<f32>()
+        / image.pixels.len() as f32
+}
+
+/// A quad `count` times, each made by `corners` of its number.
+fn quads(count: usize, corners: impl Fn(f64) -> [[f64; 3]; 4]) -> String {
+    let quad = |k: usize| {
+        let vertices = corners(k as f64).map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+        vertices.concat() + "f -4 -3 -2 -1\n"
+    };
+    (0..count).map(quad).collect()
+}
+
+#[test]
+fn many_faces_in_one_place_render() {
+    let square = |half: f64, z: f64| {
+        [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]]
+    };
+    let count = 100_000;
+    let cases = [
+        ("one quad", quads(1, |_| square(3.0, 0.0)), ""),
+        ("copies", quads(count, |_| square(3.0, 0.0)), "199998 triangles with the corners of"),
+        ("decals", quads(count, |k| square(3.0, -1e-9 * k)), ""),
+        ("shells", quads(count, |k| square(3.0 + 1e-6 * k, 0.0)), ""),
+    ];
+    for bvh in ["fast", "high"] {
+        let mut means = Vec::new();
+        for (what, obj, said) in &cases {
+            let scene = SceneFolder::new().with("a.obj", obj).without("a.mtl").json(|scene| {
+                scene["quads"][0]["u"] = json!([-1, 0, 0]);
+            });
+            let arguments = format!("scene.json --spp 64 --bvh {bvh} --size 8x6 -o a.exr");
+            render(&scene.path(""), &arguments).succeeded().says(&[said]);
+            means.push((what, mean(&scene.path("a.exr"))));
+        }
+        let (_, expected) = means[0];
+        for (what, mean) in means {
+            assert!((mean / expected - 1.0).abs() < 0.05, "{what}, {bvh}: {mean}, not {expected}");
+        }
+    }
+}
+
 #[test]
 fn a_scene_may_come_from_standard_input_and_from_a_file_of_any_name() {
     let scene = SceneFolder::new();

@@ -33,7 +33,8 @@ pub struct PreparedScene {
     /// in order, then two for each quad light, those left out not counted. Triangles that were
     /// split appear several times.
     pub scene_triangles: Vec<u32>,
-    /// How many triangles had no area, and were left out.
+    /// How many triangles had no area or were thinner than the roundings of their own corners, and
+    /// were left out.
     pub degenerate: usize,
     /// How many had the corners of an earlier one, which hides them, and were left out.
     pub copies: usize,
@@ -83,6 +84,16 @@ impl PreparedScene {
             camera: scene.camera,
             limits: scene.limits,
         })
+    }
+
+    /// What the picture lacks of the scene, for its user to know: a sentence for each kind.
+    pub fn warnings(&self) -> Vec<String> {
+        let dropped = |count: usize, which: &str| {
+            (count > 0).then(|| format!("{count} triangles {which} were dropped."))
+        };
+        let copies = dropped(self.copies, "with the corners of an earlier one, which hides them,");
+        let thin = dropped(self.degenerate, "thinner than the roundings of their corners");
+        copies.into_iter().chain(thin).collect()
     }
 
     /// The scene as kernels see it, for the host. What is up to a render's settings is zero.
