@@ -9,4 +9,5 @@ mod leaks;
 mod light;
 mod loading;
 mod mixed_scales;
+mod places;
 mod traversal;

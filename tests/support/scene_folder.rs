@@ -1,7 +1,9 @@
 //! A scene of one triangle in a temporary folder, for tests to change.
 
+use glam::DVec3;
 use raystream::scene::{Scene, SceneError, load};
 use serde_json::{Value, json};
+use std::fmt::Write;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -80,4 +82,24 @@ impl SceneFolder {
             Err(error) => error.to_string(),
         }
     }
+}
+
+/// The meshes of `scene` as an OBJ, their positions where `at` puts them, with all digits. Material
+/// number 3 is called `m3`.
+pub fn obj_of(scene: &Scene, at: impl Fn(DVec3) -> DVec3) -> String {
+    let mut obj = String::new();
+    let mut vertices = 0;
+    for mesh in &scene.meshes {
+        writeln!(obj, "usemtl m{}", mesh.material.0).unwrap();
+        for position in &mesh.positions {
+            let DVec3 { x, y, z } = at(position.as_dvec3());
+            writeln!(obj, "v {x} {y} {z}").unwrap();
+        }
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|corner| vertices + corner + 1);
+            writeln!(obj, "f {a} {b} {c}").unwrap();
+        }
+        vertices += mesh.positions.len() as u32;
+    }
+    obj
 }
