@@ -35,10 +35,10 @@ pub fn shading(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
 }
 
 /// By how many of its own roundings a barycentric coordinate may be below 0 and still count as on
-/// the triangle, so that no ray passes between two that share an edge. What is left are rays that
-/// meet both at angles below some degrees, where the error of the distance moves the point along the
-/// ray: of 133 million rays that `tests/scene/leaks.rs` aims at edges 59 pass if it is 4, 15 if it is
-/// 8. With more, triangles would stand out beyond their edges farther than rays start from surfaces.
+/// the triangle, so that no ray passes between two that share an edge. Of 133 million rays that are
+/// aimed at edges (`tests/scene/leaks.rs`) 59 pass if it is 4, and 15 if it is 8: those that graze
+/// both, where an error of the distance moves the point along the ray. With more, triangles would
+/// stand out beyond their edges farther than rays start from surfaces.
 const ENLARGED: f64 = 8.0;
 /// The roundings that computing a coordinate takes, see [`Barycentric::magnitude`], and one that its
 /// sum with another takes.
