@@ -1,31 +1,15 @@
-//! How scenes are loaded, and how much memory that may take.
+//! How scenes are loaded: from files, from memory, from the program.
 
 use super::description::Scene;
 use super::error::SceneError;
 use super::json;
 use super::memory::Memory;
-use super::shipped;
+use super::options::LoadOptions;
+use super::shipped::{self, DEFAULT_SCENE};
 use super::source::{Disk, read_up_to};
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-
-/// How a scene is loaded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LoadOptions {
-    /// Memory in bytes that a scene may take while it is loaded and made ready, by estimates that
-    /// err on the high side; 8 GiB by default.
-    ///
-    /// It bounds all that is read: the OBJ may have a quarter of it, each picture an eighth, the
-    /// scene file and each MTL 1/128.
-    pub max_memory: u64,
-}
-
-impl Default for LoadOptions {
-    fn default() -> Self {
-        Self { max_memory: 8 << 30 }
-    }
-}
 
 impl LoadOptions {
     /// Loads a scene file of format 1 with its OBJ, MTL and textures.
@@ -73,21 +57,6 @@ impl LoadOptions {
     pub fn load_named(&self, name: &str) -> Result<Scene, SceneError> {
         shipped::load(name, *self)
     }
-
-    /// The most bytes of a scene file or an MTL.
-    pub(super) fn text_bytes(&self) -> u64 {
-        self.max_memory / 128
-    }
-
-    /// The most bytes of an OBJ.
-    pub(super) fn obj_bytes(&self) -> u64 {
-        self.max_memory / 4
-    }
-
-    /// The most bytes of a picture file.
-    pub(super) fn picture_bytes(&self) -> u64 {
-        self.max_memory / 8
-    }
 }
 
 /// Loads a scene file with the default [`LoadOptions`].
@@ -106,4 +75,13 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// As [`LoadOptions::load_named`].
 pub fn load_named(name: &str) -> Result<Scene, SceneError> {
     LoadOptions::default().load_named(name)
+}
+
+/// Loads the built-in Cornell box with a ball.
+///
+/// # Errors
+///
+/// None for the scene as it ships.
+pub fn embedded() -> Result<Scene, SceneError> {
+    load_named(DEFAULT_SCENE)
 }

@@ -2,7 +2,7 @@
 
 use super::bounds::{MAX_TEXELS, MAX_TEXTURE_SIDE};
 use super::error::SceneError;
-use super::load::LoadOptions;
+use super::options::LoadOptions;
 use super::source::Source;
 use super::texture::{Texture, TextureId};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, RgbaImage};

@@ -3,7 +3,7 @@
 use super::description::Scene;
 use super::error::SceneError;
 use super::json::load_from;
-use super::load::{LoadOptions, load_named};
+use super::options::LoadOptions;
 use super::source::{Disk, Source};
 use raystream_scenes::FILES;
 use std::path::{Component, Path, PathBuf};
@@ -91,15 +91,6 @@ pub(super) fn load(name: &str, options: LoadOptions) -> Result<Scene, SceneError
         let known = SHIPPED.iter().map(|scene| scene.name.to_owned()).collect();
         Err(SceneError::UnknownName { name: name.to_owned(), known })
     }
-}
-
-/// Loads the built-in Cornell box with a ball.
-///
-/// # Errors
-///
-/// None for the scene as it ships.
-pub fn embedded() -> Result<Scene, SceneError> {
-    load_named(DEFAULT_SCENE)
 }
 
 /// Stands for the folder of the built-in files in messages.

@@ -1,8 +1,8 @@
 //! The MTL files of an OBJ.
 
 use crate::scene::error::SceneError;
-use crate::scene::load::LoadOptions;
 use crate::scene::obj::mtl::{Ignored, Library};
+use crate::scene::options::LoadOptions;
 use crate::scene::source::{Found, Source, find_foreign};
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::{Name, plain_text};
