@@ -20,6 +20,8 @@ use raystream_tests::with_gpu;
 
 const ADAPTIVE: [AllocatorKind; 3] = [Paper, Atomic, Runs];
 const ALL: [AllocatorKind; 4] = [Uniform, Paper, Atomic, Runs];
+/// Bytes of a buffer that 320 pixels of the film fit.
+const BAND: u64 = 320 * size_of::<FilmPixel>() as u64;
 
 /// A round to be made: its errors in rank order, its length, its random number.
 #[derive(Clone)]
@@ -495,7 +497,7 @@ fn the_largest_errors_there_are_get_nearly_all() {
 #[test]
 fn bands_change_nothing() {
     let round = Round::new(wild_errors(1200), 2500);
-    let small = Hindered::by_buffers(&CpuExecutor, 48 * 64 * 5);
+    let small = Hindered::by_buffers(&CpuExecutor, BAND);
     assert_eq!(FilmBuffers::new(&small, round.size).unwrap().bands().len(), 4);
     for kind in ADAPTIVE {
         let exact = kind == Atomic;
@@ -513,7 +515,7 @@ fn bands_change_nothing() {
 #[test]
 fn windows_of_any_length_cover_every_pixel() {
     let size = FilmSize { width: 40, height: 30 };
-    let small = Hindered::by_buffers(&CpuExecutor, 48 * 64 * 5);
+    let small = Hindered::by_buffers(&CpuExecutor, BAND);
     let film = FilmBuffers::new(&small, size).unwrap();
     for uniform in [1, 5, 300] {
         let mut streams = Streams::new(&film, uniform, 7, 100);
