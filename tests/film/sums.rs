@@ -9,7 +9,7 @@ use raystream_shaders::film::{Contribution, FilmPixel};
 use raystream_shaders::math::random::{hash, unit_float};
 use raystream_tests::{prepare, render_on, scenes, settings, with_gpu};
 
-/// Pixels of the film, each a multiple of the one before in brightness.
+/// Pixels of the film, each brighter than the one before.
 const PIXELS: u32 = 64;
 
 /// A film that has been given the same `run` of contributions for each pixel `times` times.
@@ -55,6 +55,9 @@ fn assert_means(film: &[FilmPixel], run: &[Contribution], what: &str) {
     }
 }
 
+/// The radiance of a slot where each pixel has so many.
+type Radiance<'a> = &'a dyn Fn(u32, u32) -> Vec3;
+
 #[test]
 fn long_sums_are_right_and_equal_on_all_devices() {
     let constant = |slot: u32, samples: u32| {
@@ -65,9 +68,8 @@ fn long_sums_are_right_and_equal_on_all_devices() {
         let number = |k: u32| unit_float(hash(slot * 3 + k)).powi(4);
         constant(slot, samples) * Vec3::new(number(0), number(1), number(2))
     };
-    let kinds: [(&str, &dyn Fn(u32, u32) -> Vec3); 2] =
-        [("constants", &constant), ("random numbers", &random)];
-    for (what, radiance) in kinds {
+    for (what, radiance) in [("constants", &constant as Radiance<'_>), ("random numbers", &random)]
+    {
         let samples = 4096;
         let run: Vec<Contribution> = (0..PIXELS * samples)
             .map(|slot| Contribution::of(radiance(slot, samples), 1))

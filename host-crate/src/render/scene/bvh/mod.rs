@@ -4,9 +4,9 @@
 //! [`raystream_shaders::scene::bvh`]), so boxes have to be wide enough for the roundings of both
 //! tests, and the hierarchy no deeper than the traversal's stack, whatever the triangles are:
 //!
-//! - [`pieces`](mod@pieces) are the boxes of triangles, or of parts of large ones, widened;
-//! - [`tree`] makes a binary tree of them that is never deep;
-//! - [`grid`] rounds the boxes of its wide form outwards.
+//! - `pieces` are the boxes of triangles, or of parts of large ones, widened;
+//! - `tree` makes a binary tree of them that is never deep;
+//! - `grid` rounds the boxes of its wide form outwards.
 
 mod grid;
 mod pieces;
