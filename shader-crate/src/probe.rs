@@ -8,6 +8,7 @@ use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers};
 use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::at;
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 use crate::scene::ray::{Hit, OFFSET_ROUNDINGS, Ray, SurfacePoint};
 
 /// Kernel: the ray through the centre of the pixel of slot `lane`.
@@ -22,7 +23,7 @@ pub fn primary_rays(lane: u32, params: &PathParams, slots: &[Slot], ray: &mut Ra
 pub fn bounce_rays(
     lane: u32,
     params: &PathParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     rays: &[Ray],
     hits: &[Hit],
     bounced: &mut Ray,
@@ -44,7 +45,7 @@ pub fn bounce_rays(
 pub fn shadow_rays(
     lane: u32,
     params: &PathParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     rays: &[Ray],
     hits: &[Hit],
     shadow: &mut Ray,
@@ -63,7 +64,13 @@ pub fn shadow_rays(
 }
 
 /// Kernel: the nearest hit of ray `lane`.
-pub fn closest_hits(lane: u32, _: &PathParams, scene: &SceneView<'_>, rays: &[Ray], hit: &mut Hit) {
+pub fn closest_hits(
+    lane: u32,
+    _: &PathParams,
+    scene: &SceneView<'_, impl Abilities>,
+    rays: &[Ray],
+    hit: &mut Hit,
+) {
     *hit = scene.bvh.closest_hit(&at(rays, lane));
 }
 
@@ -71,7 +78,7 @@ pub fn closest_hits(lane: u32, _: &PathParams, scene: &SceneView<'_>, rays: &[Ra
 pub fn any_hits(
     lane: u32,
     _: &PathParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     rays: &[Ray],
     occluded: &mut u32,
 ) {
@@ -79,7 +86,7 @@ pub fn any_hits(
 }
 
 /// The point that `ray` hit, its normal on the side that the ray came from.
-fn surface_point(scene: &SceneView<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
+fn surface_point(scene: &SceneView<'_, impl Abilities>, ray: &Ray, hit: &Hit) -> SurfacePoint {
     let point = scene.surfaces.triangle(hit.triangle).surface_point(hit, OFFSET_ROUNDINGS);
     let behind = ray.direction.dot(point.normal) > 0.0;
     SurfacePoint { normal: if behind { -point.normal } else { point.normal }, ..point }

@@ -13,6 +13,7 @@ use crate::integrator::params::{BSDF_SAMPLING_ALONE, LIGHT_SAMPLING_ALONE, PathP
 use crate::math::power_heuristic;
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, unit_float};
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 use crate::scene::light::LightView;
 use crate::scene::ray::{Hit, Ray};
 use crate::scene::surface::Surface;
@@ -88,7 +89,7 @@ impl Path {
     pub fn extend(
         &mut self,
         params: &PathParams,
-        scene: &SceneView<'_>,
+        scene: &SceneView<'_, impl Abilities>,
         numbers: &RandomNumbers,
     ) -> bool {
         let hit = scene.bvh.closest_hit(&self.ray);
@@ -106,7 +107,7 @@ impl Path {
     pub fn shade(
         &mut self,
         params: &PathParams,
-        scene: &SceneView<'_>,
+        scene: &SceneView<'_, impl Abilities>,
         numbers: &RandomNumbers,
         hit: &Hit,
     ) -> Bounce {

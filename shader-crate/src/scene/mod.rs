@@ -12,6 +12,7 @@
 //! `with scene` binds all three and hands its function a [`SceneView`]: another table of the scene
 //! is added here and nowhere else.
 
+pub mod abilities;
 pub mod bsdf;
 pub mod bvh;
 pub mod camera;
@@ -23,6 +24,7 @@ pub mod triangle;
 
 use crate::glam::{UVec4, Vec3};
 use crate::memory::device_struct;
+use abilities::Abilities;
 use bvh::BvhView;
 use light::LightView;
 use surface::SurfaceView;
@@ -64,21 +66,23 @@ pub trait TracingParams {
 
 /// Everything that a ray may hit, and what lights it.
 #[derive(Clone, Copy)]
-pub struct SceneView<'a> {
+pub struct SceneView<'a, F> {
     /// The geometry, to trace rays through.
     pub bvh: BvhView<'a>,
     /// What rays hit.
-    pub surfaces: SurfaceView<'a>,
+    pub surfaces: SurfaceView<'a, F>,
     /// What emits.
     pub lights: LightView<'a>,
     /// Radiance where no ray hits anything, linear Rec.709.
     pub background: Vec3,
 }
 
-impl<'a> SceneView<'a> {
-    /// Wraps the buffers, which the [module](self) describes. The host answers for what they hold.
+impl<'a, F: Abilities> SceneView<'a, F> {
+    /// Wraps the buffers, which the [module](self) describes. The host answers for what they hold,
+    /// and for `abilities`: the scene uses no others.
     #[inline(always)]
     pub fn new(
+        abilities: F,
         params: &SceneParams,
         geometry: &'a [UVec4],
         surfaces: &'a [UVec4],
@@ -92,6 +96,7 @@ impl<'a> SceneView<'a> {
                 first_material: params.first_material,
                 offset_roundings: params.offset_roundings,
                 textures: TextureView::new(texels),
+                abilities,
             },
             lights: LightView {
                 rows: surfaces,

@@ -2,6 +2,7 @@
 
 use crate::glam::{UVec4, Vec2, Vec3};
 use crate::memory::rows::{four_rows, three_rows};
+use crate::scene::abilities::{Abilities, TEXTURES};
 use crate::scene::bsdf::{Bsdf, Material};
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
@@ -11,7 +12,7 @@ use spirv_std::num_traits::Float as _;
 
 /// The surfaces of a scene, for those who know what has been hit.
 #[derive(Clone, Copy)]
-pub struct SurfaceView<'a> {
+pub struct SurfaceView<'a, F> {
     /// The scene's buffer `surfaces`, see [`crate::scene`].
     pub rows: &'a [UVec4],
     /// Row of the first attributes.
@@ -22,9 +23,11 @@ pub struct SurfaceView<'a> {
     pub offset_roundings: f32,
     /// The textures.
     pub textures: TextureView<'a>,
+    /// What the scene uses.
+    pub abilities: F,
 }
 
-impl SurfaceView<'_> {
+impl<F: Abilities> SurfaceView<'_, F> {
     /// The triangle number `index`, in the order of the BVH's leaves.
     pub fn triangle(&self, index: u32) -> Triangle {
         Triangle::from_rows(three_rows(self.rows, index * Triangle::ROWS))
@@ -57,7 +60,7 @@ pub struct Surface {
 
 impl Surface {
     /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some).
-    pub fn at(surfaces: &SurfaceView<'_>, ray: &Ray, hit: &Hit) -> Self {
+    pub fn at(surfaces: &SurfaceView<'_, impl Abilities>, ray: &Ray, hit: &Hit) -> Self {
         let triangle = surfaces.triangle(hit.triangle);
         let point = triangle.surface_point(hit, surfaces.offset_roundings);
         let geometric = point.normal;
@@ -71,7 +74,7 @@ impl Surface {
             if length > 0.0 {
                 shading = normal / length.sqrt();
             }
-            if material.texture != NO_TEXTURE {
+            if surfaces.abilities.has(TEXTURES) && material.texture != NO_TEXTURE {
                 let uv = Vec2::new(a.u0, a.v0) * w
                     + Vec2::new(a.u1, a.v1) * hit.u
                     + Vec2::new(a.u2, a.v2) * hit.v;

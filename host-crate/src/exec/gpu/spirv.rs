@@ -3,10 +3,15 @@
 //! NVIDIA's driver gives every pipeline the workgroup memory of all variables of its module,
 //! whichever kernels use them, and with it go registers and cache. So each pipeline is made of a
 //! module that has one entry point, the functions that it calls, and the variables that these name.
+//!
+//! In it the word of [abilities](raystream_shaders::scene::abilities) is no specialisation constant
+//! any more but the scene's own. wgpu has no way to give one to a driver, and like this every
+//! compiler on the way, naga too, knows the branches that are dead.
 
+use raystream_shaders::scene::abilities::ABILITIES;
 use rspirv::binary::Assemble;
 use rspirv::dr::{Function, Instruction, Module, Operand, load_words};
-use rspirv::spirv::Op;
+use rspirv::spirv::{Decoration, Op};
 use std::collections::{HashMap, HashSet};
 
 /// The module of all kernels, taken apart.
@@ -28,11 +33,11 @@ impl Kernels {
         Ok(Self { module, functions })
     }
 
-    /// The module with the entry point `name` alone, as words.
+    /// The module with the entry point `name` alone, for scenes that use `abilities`, as words.
     ///
     /// # Errors
     /// That there is none of that name.
-    pub fn alone(&self, name: &str) -> Result<Vec<u32>, String> {
+    pub fn alone(&self, name: &str, abilities: u32) -> Result<Vec<u32>, String> {
         let text = Operand::LiteralString(name.into());
         let is_named = |entry: &&Instruction| entry.operands.get(2) == Some(&text);
         let missing = || format!("there is no kernel '{name}'");
@@ -47,13 +52,19 @@ impl Kernels {
                 || global.result_id.is_some_and(|id| named.contains(&id))
         };
         let module = &self.module;
-        let globals: Vec<Instruction> =
-            module.types_global_values.iter().filter(is_needed).cloned().collect();
+        let switches = self.switches();
+        let is_switch = |id: &u32| switches.contains(id);
+        let globals: Vec<Instruction> = (module.types_global_values.iter().filter(is_needed))
+            .map(|global| match global.result_id.filter(is_switch) {
+                Some(_) => constant(global, abilities),
+                None => global.clone(),
+            })
+            .collect();
         let mut there: HashSet<u32> = functions.iter().flat_map(results).collect();
         there.extend(globals.iter().filter_map(|global| global.result_id));
         let is_there = |about: &&Instruction| {
             let target = about.operands.first().and_then(Operand::id_ref_any);
-            target.is_none_or(|id| there.contains(&id))
+            target.is_none_or(|id| there.contains(&id)) && !is_specialisation(about)
         };
         let modes = module.execution_modes.iter();
         let alone = Module {
@@ -77,6 +88,17 @@ impl Kernels {
         Ok(alone.assemble())
     }
 
+    /// The specialisation constants that hold the abilities: one for each kernel that asks for them,
+    /// or one for all.
+    fn switches(&self) -> HashSet<u32> {
+        let is_switch = |about: &&Instruction| {
+            is_specialisation(about)
+                && about.operands.get(2) == Some(&Operand::LiteralBit32(ABILITIES))
+        };
+        let switches = self.module.annotations.iter().filter(is_switch);
+        switches.filter_map(|about| about.operands[0].id_ref_any()).collect()
+    }
+
     /// The places of a function and of all that it calls, in the module's order.
     fn reached_from(&self, main: u32) -> Vec<usize> {
         let (mut reached, mut next) = (HashSet::new(), vec![main]);
@@ -92,6 +114,17 @@ impl Kernels {
         places.sort_unstable();
         places
     }
+}
+
+/// Whether an annotation makes a constant one for specialisation.
+fn is_specialisation(annotation: &Instruction) -> bool {
+    annotation.operands.get(1) == Some(&Operand::Decoration(Decoration::SpecId))
+}
+
+/// An ordinary constant of the value `word` in place of one for specialisation.
+fn constant(special: &Instruction, word: u32) -> Instruction {
+    let value = vec![Operand::LiteralBit32(word)];
+    Instruction::new(Op::Constant, special.result_type, special.result_id, value)
 }
 
 /// All ids that a function's instructions name.
@@ -118,7 +151,7 @@ mod tests {
     fn every_kernel_alone_is_a_module_with_one_entry_point_and_all_that_it_names() {
         let kernels = kernels();
         for kernel in table::ALL {
-            let alone = load_words(kernels.alone(kernel.name).unwrap()).unwrap();
+            let alone = load_words(kernels.alone(kernel.name, 0).unwrap()).unwrap();
             assert_eq!(alone.entry_points.len(), 1, "{}", kernel.name);
             let mut there: HashSet<u32> = alone.functions.iter().flat_map(results).collect();
             there.extend(alone.types_global_values.iter().filter_map(|global| global.result_id));
@@ -137,7 +170,7 @@ mod tests {
         use rspirv::spirv::StorageClass::Workgroup;
         let kernels = kernels();
         let variables = |name: &str| {
-            let alone = load_words(kernels.alone(name).unwrap()).unwrap();
+            let alone = load_words(kernels.alone(name, 0).unwrap()).unwrap();
             let is_shared = |global: &&Instruction| {
                 global.operands.first() == Some(&Operand::StorageClass(Workgroup))
                     && global.class.opcode == Op::Variable
@@ -146,6 +179,30 @@ mod tests {
         };
         assert_eq!(variables("trace_paths"), 0);
         assert_eq!(variables("sum_blocks"), 1);
-        assert!(kernels.alone("no such kernel").is_err());
+        assert!(kernels.alone("no such kernel", 0).is_err());
+    }
+
+    #[test]
+    fn a_kernel_alone_has_the_abilities_of_its_scene_as_an_ordinary_constant() {
+        let kernels = kernels();
+        let is_special = |instruction: &Instruction| {
+            matches!(
+                instruction.class.opcode,
+                Op::SpecConstant | Op::SpecConstantTrue | Op::SpecConstantFalse
+            ) || instruction.operands.contains(&Operand::Decoration(Decoration::SpecId))
+        };
+        assert!(kernels.module.all_inst_iter().any(is_special), "some kernel asks for abilities");
+        for kernel in table::ALL {
+            let alone = |abilities| kernels.alone(kernel.name, abilities).unwrap();
+            let [without, with] = [0, 0x5eed].map(alone);
+            let module = load_words(&with).unwrap();
+            assert!(!module.all_inst_iter().any(is_special), "{}", kernel.name);
+            let changed: Vec<_> =
+                without.iter().zip(&with).filter(|(without, with)| without != with).collect();
+            assert_eq!(without.len(), with.len());
+            assert!(changed.iter().all(|&change| change == (&0, &0x5eed)), "{}", kernel.name);
+            let asks = ["trace_paths", "shade_queue", "first_hits", "trace_eye_paths"];
+            assert!(!asks.contains(&kernel.name) || changed.len() == 1, "{}", kernel.name);
+        }
     }
 }

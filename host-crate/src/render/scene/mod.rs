@@ -16,6 +16,7 @@ use crate::exec::{ExecError, Executor, SceneBuffers};
 use crate::scene::{Camera, PathLimits, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
+use raystream_shaders::scene::abilities::{ALL, Fixed, TEXTURES};
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -29,6 +30,8 @@ pub struct PreparedScene {
     /// What lies where, the lights' total and the background. What is up to a render's settings
     /// is zero.
     pub params: SceneParams,
+    /// What the scene uses, see [`raystream_shaders::scene::abilities`].
+    pub abilities: u32,
     /// For each triangle in the order of the leaves, its number in the scene: those of the meshes
     /// in order, then two for each quad light, those without area left out. Triangles that were
     /// split appear several times.
@@ -73,6 +76,7 @@ impl PreparedScene {
             surfaces,
             texels,
             params,
+            abilities: abilities(scene),
             scene_triangles: bvh.order,
             degenerate,
             camera: scene.camera,
@@ -81,14 +85,20 @@ impl PreparedScene {
     }
 
     /// The scene as kernels see it, for the host. What is up to a render's settings is zero.
-    pub fn view(&self) -> SceneView<'_> {
-        SceneView::new(&self.params, &self.geometry, &self.surfaces, &self.texels)
+    pub fn view(&self) -> SceneView<'_, Fixed<ALL>> {
+        SceneView::new(Fixed, &self.params, &self.geometry, &self.surfaces, &self.texels)
     }
 
     /// Copies it to a device.
     pub fn buffers<E: Executor>(&self, executor: &E) -> Result<SceneBuffers<E::Buffer>, ExecError> {
-        SceneBuffers::new(executor, &self.geometry, &self.surfaces, &self.texels)
+        SceneBuffers::new(executor, self.abilities, &self.geometry, &self.surfaces, &self.texels)
     }
+}
+
+/// What a scene uses.
+fn abilities(scene: &Scene) -> u32 {
+    let has_textures = scene.materials.iter().any(|material| material.texture().is_some());
+    if has_textures { TEXTURES } else { 0 }
 }
 
 /// Adds the rows of `elements`, whose sizes are multiples of a row's; the number of the first one.

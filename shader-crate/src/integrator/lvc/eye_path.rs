@@ -18,6 +18,7 @@ use crate::math::is_finite_vector;
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, unit_float};
 use crate::memory::access::at;
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
 
@@ -28,7 +29,7 @@ const DRAWS: u32 = 1 << 31;
 pub fn trace_eye_paths(
     lane: u32,
     params: &LvcParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     slots: &[Slot],
     cache: &[UVec4],
     contribution: &mut Contribution,
@@ -41,10 +42,10 @@ pub fn trace_eye_paths(
 
 /// What eye paths are traced with.
 #[derive(Clone, Copy)]
-struct EyeTracer<'a> {
+struct EyeTracer<'a, F> {
     params: &'a LvcParams,
     samples: TechniqueSamples,
-    scene: SceneView<'a>,
+    scene: SceneView<'a, F>,
     cache: LightCache<'a>,
 }
 
@@ -60,7 +61,7 @@ struct EyePath {
     rays: u32,
 }
 
-impl EyeTracer<'_> {
+impl<F: Abilities> EyeTracer<'_, F> {
     /// The contribution of one slot.
     fn trace(&self, slot: Slot) -> Contribution {
         let numbers = self.params.path.numbers(slot);

@@ -13,6 +13,7 @@ use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, hash, of_ve
 use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::Scatter;
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 use crate::scene::bsdf::BsdfSample;
 use crate::scene::light::LightView;
 use crate::scene::ray::Ray;
@@ -24,7 +25,7 @@ use core::f32::consts::{FRAC_1_PI, PI};
 pub fn trace_light_paths(
     lane: u32,
     params: &LvcParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     count: &mut u32,
     scratch: &mut Scatter<'_, UVec4>,
 ) {
