@@ -55,9 +55,16 @@ pub fn shadow_rays(
     *shadow = if hit.is_some() && !scene.lights.is_empty() {
         let point = surface_point(scene, &ray, &hit);
         let numbers = RandomNumbers::new(params.sampler, params.seed, lane, 0);
-        let light = scene.lights.point(numbers.bits(CHOICES)[0], numbers.pair(LIGHT_POINT));
-        let from = point.offset_towards(light.position - point.position);
-        Ray::segment(from, light.position - from, 0.9999)
+        let index = scene.lights.choose(numbers.bits(CHOICES)[0]);
+        let end = if scene.lights.is_environment(index) {
+            let environment = &scene.lights.environment;
+            let direction = environment.sample(numbers.bits(LIGHT_POINT)).direction;
+            environment.far_end(point.position, direction)
+        } else {
+            scene.lights.point_on(index, numbers.pair(LIGHT_POINT)).position
+        };
+        let from = point.offset_towards(end - point.position);
+        Ray::segment(from, end - from, 0.9999)
     } else {
         ray
     };

@@ -3,6 +3,7 @@
 
 mod abilities;
 mod devices;
+mod environment;
 mod lvc;
 mod memory;
 mod renders;

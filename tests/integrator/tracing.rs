@@ -146,5 +146,7 @@ pub fn cases(count: u32) -> Vec<Case> {
             .with(|s| s.max_depth = 1),
         Case::new("a black ball", room(scenes::diffuse(0.0)), count).with(|s| s.max_depth = 2),
         Case::new("a ball without a light", open, count).scrambled(),
+        Case::new("a room under a sky", sized(scenes::roofless(scenes::glass(1.5)), 19, 13), count)
+            .scrambled(),
     ]
 }

@@ -12,7 +12,11 @@ pub(super) const MAX_COORDINATE: f64 = 1e9;
 /// has a thousandth left of them.
 pub(super) const MAX_PLACE: f64 = 1e12;
 /// Radiances go up to this: beyond, sums of squares over a picture overflow an f32.
-const MAX_RADIANCE: f64 = 1e12;
+pub(super) const MAX_RADIANCE: f64 = 1e12;
+/// Environments are turned by at most so many degrees: beyond, an f32 has few digits of one.
+const MAX_ROTATION: f64 = 1e5;
+/// Environments are made so many times as bright, at most.
+const MAX_STRENGTH: f64 = 1e6;
 /// Pictures have at most this many pixels a side, so that all of them are numbered by a u32.
 const MAX_FILM_SIDE: u32 = 16_384;
 /// Indices of refraction lie between the inverse of this and this.
@@ -61,6 +65,25 @@ pub(super) fn angle_of_view(value: f64) -> Result<f32, String> {
         Ok(rounded)
     } else {
         Err(format!("must be an angle in degrees, above 0 and below 180, is {value}"))
+    }
+}
+
+/// A rotation in degrees.
+pub(super) fn rotation(value: f64) -> Result<f32, String> {
+    within(value, -MAX_ROTATION..=MAX_ROTATION)
+}
+
+/// What the radiances of an environment are multiplied by.
+pub(super) fn strength(value: f64) -> Result<f32, String> {
+    within(value, 0.0..=MAX_STRENGTH)
+}
+
+/// A number within `allowed`.
+fn within(value: f64, allowed: RangeInclusive<f64>) -> Result<f32, String> {
+    if allowed.contains(&value) {
+        Ok(value as f32)
+    } else {
+        Err(format!("must be from {} to {}, is {value}", allowed.start(), allowed.end()))
     }
 }
 

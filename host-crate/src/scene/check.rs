@@ -36,6 +36,9 @@ impl Scene {
         bounds::depth(self.limits.max_depth.into()).map_err(at("limits.max_depth"))?;
         bounds::depth(self.limits.roulette_depth.into()).map_err(at("limits.roulette_depth"))?;
         radiance(self.background).map_err(at("background"))?;
+        if let Some(environment) = &self.environment {
+            environment.check().map_err(at("environment"))?;
+        }
         self.check_textures()?;
         for (index, material) in self.materials.iter().enumerate() {
             self.check_material(material).map_err(at(&format!("materials[{index}]")))?;
@@ -50,7 +53,8 @@ impl Scene {
     }
 
     fn check_textures(&self) -> Result<(), InvalidScene> {
-        let mut texels = 0;
+        // They share a buffer.
+        let mut texels = self.environment.as_ref().map_or(0, |e| e.texels.len());
         for (index, texture) in self.textures.iter().enumerate() {
             check_texture(texture).map_err(at(&format!("textures[{index}]")))?;
             texels += texture.texels.len();
@@ -205,6 +209,7 @@ fn check_texture_coordinates(mesh: &Mesh) -> Result<(), InvalidScene> {
 mod tests {
     use super::*;
     use crate::scene::camera::Camera;
+    use crate::scene::environment::Environment;
     use crate::scene::light::QuadLight;
     use crate::scene::material::MaterialId;
     use crate::scene::texture::TextureId;
@@ -238,7 +243,12 @@ mod tests {
     fn what_is_wrong_is_named() {
         let texture = |width, texels| Texture { width, height: 1, texels: vec![[0; 4]; texels] };
         let nan = Vec3::new(0.0, f32::NAN, 0.0);
-        let cases: [(&str, &dyn Fn(&mut Scene)); 21] = [
+        let environment = |texel| Some(Environment::new(1, 1, vec![texel]));
+        let bright = Environment { strength: 2e6, ..Environment::new(1, 1, vec![Vec3::ONE]) };
+        let cases: [(&str, &dyn Fn(&mut Scene)); 24] = [
+            ("environment", &|s| s.environment = environment(nan)),
+            ("environment", &|s| s.environment = Some(Environment::new(2, 1, vec![Vec3::ONE]))),
+            ("environment", &|s| s.environment = Some(bright.clone())),
             ("film", &|s| s.film.width = 0),
             ("camera", &|s| s.camera.target = s.camera.origin),
             ("camera", &|s| s.camera.up = Vec3::ZERO),

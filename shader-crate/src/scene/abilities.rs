@@ -13,6 +13,9 @@ pub const ABILITIES: u32 = 0;
 /// Surfaces have textures.
 pub const TEXTURES: u32 = 1 << 0;
 
+/// An environment lights the scene.
+pub const ENVIRONMENT: u32 = 1 << 1;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

@@ -3,7 +3,7 @@
 //! ```text
 //! geometry: nodes of the BVH | triangles, for the test
 //! surfaces: triangles, for shading | attributes | materials | lights
-//! texels:   see `texture`
+//! texels:   textures, see `texture` | environment, see `environment`
 //! ```
 //!
 //! What traversal reads lies in `geometry`, what shading reads in `surfaces`. They are few because a
@@ -16,6 +16,7 @@ pub mod abilities;
 pub mod bsdf;
 pub mod bvh;
 pub mod camera;
+pub mod environment;
 pub mod light;
 pub mod ray;
 pub mod surface;
@@ -26,6 +27,7 @@ use crate::glam::{UVec4, Vec3};
 use crate::memory::device_struct;
 use abilities::Abilities;
 use bvh::BvhView;
+use environment::EnvironmentView;
 use light::LightView;
 use surface::SurfaceView;
 use texture::TextureView;
@@ -36,10 +38,10 @@ device_struct! {
         /// Radiance of the light that comes from all around where there is no surface, linear
         /// Rec.709.
         pub background: Vec3,
-        /// Number of lights.
+        /// Number of lights, the environment included, which is the last.
         pub lights: u32,
-        /// Sum over the lights of area times importance, in squared world units; see
-        /// [`light::area_pdf`].
+        /// Sum over the lights of area times importance (of the environment: what stands for that),
+        /// in squared world units; see [`light::area_pdf`].
         pub total_importance: f32,
         /// How far rays start from surfaces, see [`ray::OFFSET_ROUNDINGS`].
         pub offset_roundings: f32,
@@ -53,8 +55,9 @@ device_struct! {
         pub first_light: u32,
         /// Largest component of the radiance that lights emit; 0 without lights.
         pub brightest: f32,
-        /// Unused; zero.
-        pub pad: u32,
+        /// Word of `texels` where the environment's header begins, or
+        /// [`environment::NO_ENVIRONMENT`].
+        pub environment: u32,
     }
 }
 
@@ -66,23 +69,23 @@ pub trait TracingParams {
 
 /// Everything that a ray may hit, and what lights it.
 #[derive(Clone, Copy)]
-pub struct SceneView<'a, F> {
+pub struct SceneView<'a, A> {
     /// The geometry, to trace rays through.
     pub bvh: BvhView<'a>,
     /// What rays hit.
-    pub surfaces: SurfaceView<'a, F>,
+    pub surfaces: SurfaceView<'a, A>,
     /// What emits.
-    pub lights: LightView<'a>,
+    pub lights: LightView<'a, A>,
     /// Radiance where no ray hits anything, linear Rec.709.
     pub background: Vec3,
 }
 
-impl<'a, F: Abilities> SceneView<'a, F> {
+impl<'a, A: Abilities> SceneView<'a, A> {
     /// Wraps the buffers, which the [module](self) describes. The host answers for what they hold,
     /// and for `abilities`: the scene uses no others.
     #[inline(always)]
     pub fn new(
-        abilities: F,
+        abilities: A,
         params: &SceneParams,
         geometry: &'a [UVec4],
         surfaces: &'a [UVec4],
@@ -104,6 +107,8 @@ impl<'a, F: Abilities> SceneView<'a, F> {
                 count: params.lights,
                 total_importance: params.total_importance,
                 offset_roundings: params.offset_roundings,
+                environment: EnvironmentView::new(texels, params.environment),
+                abilities,
             },
             background: params.background,
         }

@@ -12,7 +12,7 @@ use spirv_std::num_traits::Float as _;
 
 /// The surfaces of a scene, for those who know what has been hit.
 #[derive(Clone, Copy)]
-pub struct SurfaceView<'a, F> {
+pub struct SurfaceView<'a, A> {
     /// The scene's buffer `surfaces`, see [`crate::scene`].
     pub rows: &'a [UVec4],
     /// Row of the first attributes.
@@ -24,10 +24,10 @@ pub struct SurfaceView<'a, F> {
     /// The textures.
     pub textures: TextureView<'a>,
     /// What the scene uses.
-    pub abilities: F,
+    pub abilities: A,
 }
 
-impl<F: Abilities> SurfaceView<'_, F> {
+impl<A: Abilities> SurfaceView<'_, A> {
     /// The triangle number `index`, in the order of the BVH's leaves.
     pub fn triangle(&self, index: u32) -> Triangle {
         Triangle::from_rows(three_rows(self.rows, index * Triangle::ROWS))

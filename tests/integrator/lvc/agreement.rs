@@ -74,6 +74,30 @@ fn rooms_with_every_material() {
     }
 }
 
+/// Light paths from infinity, and every technique for light from there.
+#[test]
+fn light_of_an_environment() {
+    for (name, ball) in [("diffuse", scenes::diffuse(0.6)), ("glass", scenes::glass(1.5))] {
+        let scene = scenes::roofless(ball);
+        let (prepared, expected) = path_traced(&scene, 4096);
+        for techniques in [
+            BidirectionalTechniques::All,
+            Connections,
+            LightTracing,
+            WithoutConnections,
+            WithoutLightSampling,
+            WithoutLightTracing,
+        ] {
+            let settings = lvc(&scene, LIGHT_PATHS);
+            let light_cache = LightCacheSettings { techniques, ..settings.light_cache };
+            let settings = Settings { light_cache, ..settings };
+            let pictures = rounds(&CpuExecutor, &prepared, &settings, ROUNDS, SAMPLES);
+            let what = format!("{name} ball under a sky, {techniques:?}");
+            assert_rounds_have_expectation(&expected, &pictures, &what);
+        }
+    }
+}
+
 /// Shading normals far from those of the triangles: light paths need the adjoint BSDF, which shows
 /// where connections do most of the work.
 #[test]

@@ -59,7 +59,7 @@ impl Identity {
     }
 }
 
-/// A digest of what is in a scene: surfaces, lights, materials, textures and camera. Its name, its
+/// A digest of what is in a scene: surfaces, lights, materials, textures, environment and camera. Its name, its
 /// background and its limits are not.
 fn scene_digest(scene: &Scene) -> String {
     let mut hasher = Sha256::new();
@@ -81,6 +81,11 @@ fn scene_digest(scene: &Scene) -> String {
     for texture in &scene.textures {
         add(&mut hasher, &[texture.width, texture.height]);
         add(&mut hasher, &texture.texels);
+    }
+    if let Some(environment) = &scene.environment {
+        add(&mut hasher, &[environment.width, environment.height]);
+        add(&mut hasher, &environment.texels);
+        add(&mut hasher, &[environment.rotation, environment.strength]);
     }
     let lengths =
         [scene.meshes.len(), scene.quad_lights.len(), scene.materials.len(), scene.textures.len()];
@@ -142,7 +147,7 @@ fn hex(bytes: &[u8]) -> String {
 mod tests {
     use super::*;
     use raystream::render::LightCacheSettings;
-    use raystream::scene::{FilmSize, embedded};
+    use raystream::scene::{Environment, FilmSize, embedded};
 
     fn settings() -> Settings {
         Settings {
@@ -179,6 +184,11 @@ mod tests {
             {
                 let mut scene = scene.clone();
                 scene.background = glam::Vec3::ONE;
+                scene
+            },
+            {
+                let mut scene = scene.clone();
+                scene.set_environment(Environment::new(1, 1, vec![glam::Vec3::ONE]));
                 scene
             },
         ];

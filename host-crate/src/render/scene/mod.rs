@@ -2,6 +2,7 @@
 
 pub mod bvh;
 pub mod camera;
+mod environment;
 mod geometry;
 mod lights;
 mod materials;
@@ -9,14 +10,17 @@ mod textures;
 mod triangles;
 
 use self::bvh::BvhQuality;
+use self::environment::{Ball, PackedEnvironment};
 use self::geometry::Geometry;
 use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
 use crate::scene::{Camera, PathLimits, Scene};
 use bytemuck::{Pod, Zeroable};
-use glam::UVec4;
-use raystream_shaders::scene::abilities::{ALL, Fixed, TEXTURES};
+use glam::{UVec4, Vec3};
+use raystream_shaders::scene::abilities::{ALL, ENVIRONMENT, Fixed, TEXTURES};
+use raystream_shaders::scene::environment::NO_ENVIRONMENT;
+use raystream_shaders::scene::triangle::Triangle;
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -53,10 +57,13 @@ impl PreparedScene {
     pub fn new(scene: &Scene, quality: BvhQuality) -> Result<Self, RenderError> {
         scene.check()?;
         let Geometry { triangles, attributes, degenerate } = geometry::gather(scene);
-        let Textures { words: texels, places } = textures::pack(&scene.textures);
+        let Textures { words: mut texels, places } = textures::pack(&scene.textures);
         let materials = materials::table(scene, &places);
         let bvh = bvh::build(&triangles, quality)?;
-        let lights = lights::build(&triangles, &materials);
+        let environment = scene.environment.as_ref().and_then(PackedEnvironment::new);
+        let ball = Ball::around(triangles.iter().flat_map(corners));
+        let power = environment.as_ref().map(|packed| packed.power * ball.radius_squared());
+        let lights = lights::build(&triangles, &materials, power);
         let mut geometry = bvh.nodes;
         let first_planes = append(&mut geometry, &triangles::planes(&triangles, &bvh.order));
         let mut surfaces = triangles::shading(&triangles, &bvh.order);
@@ -64,7 +71,10 @@ impl PreparedScene {
             background: scene.background,
             lights: lights.table.len() as u32,
             total_importance: lights.total_importance,
-            brightest: lights.brightest,
+            brightest: environment.as_ref().map_or(0.0, |e| e.brightest).max(lights.brightest),
+            environment: environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
+                packed.append(&mut texels, lights.environment_chance, ball)
+            }),
             first_planes,
             first_attributes: append(&mut surfaces, &attributes),
             first_material: append(&mut surfaces, &materials),
@@ -76,7 +86,7 @@ impl PreparedScene {
             surfaces,
             texels,
             params,
-            abilities: abilities(scene),
+            abilities: abilities(scene, &params),
             scene_triangles: bvh.order,
             degenerate,
             camera: scene.camera,
@@ -95,10 +105,19 @@ impl PreparedScene {
     }
 }
 
+fn corners(triangle: &Triangle) -> [Vec3; 3] {
+    let Triangle { corner, edge1, edge2, .. } = *triangle;
+    [corner, corner + edge1, corner + edge2]
+}
+
 /// What a scene uses.
-fn abilities(scene: &Scene) -> u32 {
+fn abilities(scene: &Scene, params: &SceneParams) -> u32 {
     let has_textures = scene.materials.iter().any(|material| material.texture().is_some());
-    if has_textures { TEXTURES } else { 0 }
+    let has_environment = params.environment != NO_ENVIRONMENT;
+    [(has_textures, TEXTURES), (has_environment, ENVIRONMENT)]
+        .into_iter()
+        .filter(|(uses, _)| *uses)
+        .fold(0, |word, (_, ability)| word | ability)
 }
 
 /// Adds the rows of `elements`, whose sizes are multiples of a row's; the number of the first one.

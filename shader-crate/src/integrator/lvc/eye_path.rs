@@ -6,8 +6,8 @@
 use super::cache::LightCache;
 use super::light_vertex::LightVertex;
 use super::mis::{
-    Join, Subpath, TechniqueSamples, connection_weight, cosine, emission_weight, lambert,
-    light_weight,
+    Join, Subpath, TechniqueSamples, connection_weight, cosine, emission_weight,
+    environment_weight, lambert, light_weight,
 };
 use super::{LvcParams, MAX_CONNECTIONS};
 use crate::film::Contribution;
@@ -42,10 +42,10 @@ pub fn trace_eye_paths(
 
 /// What eye paths are traced with.
 #[derive(Clone, Copy)]
-struct EyeTracer<'a, F> {
+struct EyeTracer<'a, A> {
     params: &'a LvcParams,
     samples: TechniqueSamples,
-    scene: SceneView<'a, F>,
+    scene: SceneView<'a, A>,
     cache: LightCache<'a>,
 }
 
@@ -61,7 +61,7 @@ struct EyePath {
     rays: u32,
 }
 
-impl<F: Abilities> EyeTracer<'_, F> {
+impl<A: Abilities> EyeTracer<'_, A> {
     /// The contribution of one slot.
     fn trace(&self, slot: Slot) -> Contribution {
         let numbers = self.params.path.numbers(slot);
@@ -89,6 +89,7 @@ impl<F: Abilities> EyeTracer<'_, F> {
         if !hit.is_some() {
             // No other technique finds the background.
             path.radiance += path.throughput * self.scene.background;
+            self.add_environment(path, depth);
             return false;
         }
         let surface = Surface::at(&self.scene.surfaces, &path.ray, &hit);
@@ -110,7 +111,7 @@ impl<F: Abilities> EyeTracer<'_, F> {
             let back = lambert(cosine(surface.bsdf.normal, incoming));
             let norm = path.subpath.norm(without, back);
             if !self.scene.lights.is_empty() && self.samples.light > 0.0 {
-                let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
+                let point = numbers.bits(of_vertex(vertex, LIGHT_POINT));
                 self.sample_light(path, &surface, norm, choice, point);
             }
             if self.params.connections > 0 && surface.bsdf.reflectance.max_element() > 0.0 {
@@ -128,6 +129,17 @@ impl<F: Abilities> EyeTracer<'_, F> {
         true
     }
 
+    /// Adds what comes from the environment at the end of segment number `depth`, which left the
+    /// scene.
+    fn add_environment(&self, path: &mut EyePath, depth: u32) {
+        if self.scene.lights.has_environment() {
+            let environment = &self.scene.lights.environment;
+            let (pdf, disc_area) = (environment.pdf(path.ray.direction), environment.disc_area());
+            let weight = environment_weight(&self.samples, &path.subpath, depth, pdf, disc_area);
+            path.radiance += path.throughput * environment.radiance(path.ray.direction) * weight;
+        }
+    }
+
     /// Next-event estimation: adds what a sampled point of a light sends to a surface, whose
     /// subpath has this [`norm`](Subpath::norm).
     fn sample_light(
@@ -136,7 +148,7 @@ impl<F: Abilities> EyeTracer<'_, F> {
         surface: &Surface,
         norm: f32,
         choice: u32,
-        point: [f32; 2],
+        point: [u32; 2],
     ) {
         let incoming = path.ray.direction;
         let event = NextEvent::sample(&self.scene.lights, surface, incoming, choice, point);
@@ -145,9 +157,14 @@ impl<F: Abilities> EyeTracer<'_, F> {
         }
         let light = &event.light;
         let cosine_here = cosine(surface.point.normal, light.direction);
-        let distance2 = light.distance * light.distance;
-        let emission_pdf = lambert(light.cosine);
-        let join = Join::new(distance2, cosine_here, event.bsdf_pdf, light.cosine, emission_pdf);
+        let join = if light.is_distant {
+            let disc_area = self.scene.lights.environment.disc_area();
+            Join::to_environment(cosine_here, event.bsdf_pdf, disc_area)
+        } else {
+            let distance2 = light.distance * light.distance;
+            let emission_pdf = lambert(light.cosine);
+            Join::new(distance2, cosine_here, event.bsdf_pdf, light.cosine, emission_pdf)
+        };
         let weight = light_weight(&self.samples, &join, norm, light.area_pdf);
         self.add_unless_occluded(path, &event.segment(surface), event.radiance * weight);
     }

@@ -15,6 +15,7 @@ use crate::memory::access::Scatter;
 use crate::scene::SceneView;
 use crate::scene::abilities::Abilities;
 use crate::scene::bsdf::BsdfSample;
+use crate::scene::environment::{EnvironmentSample, EnvironmentView};
 use crate::scene::light::LightView;
 use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
@@ -75,12 +76,22 @@ struct LightPath {
     /// Product of the weights so far.
     throughput: Vec3,
     subpath: Subpath,
+    /// Whether the segment is the first of a path from the environment.
+    is_from_infinity: bool,
 }
 
 impl LightPath {
-    fn emit(samples: &TechniqueSamples, lights: &LightView<'_>, numbers: &RandomNumbers) -> Self {
+    fn emit(
+        samples: &TechniqueSamples,
+        lights: &LightView<'_, impl Abilities>,
+        numbers: &RandomNumbers,
+    ) -> Self {
         let [choice, _] = numbers.bits(of_vertex(0, CHOICES));
-        let light = lights.point(choice, numbers.pair(of_vertex(0, LIGHT_POINT)));
+        let index = lights.choose(choice);
+        if lights.is_environment(index) {
+            return Self::from_environment(samples, &lights.environment, numbers);
+        }
+        let light = lights.point_on(index, numbers.pair(of_vertex(0, LIGHT_POINT)));
         let direction = sample_cosine_hemisphere(light.normal, numbers.pair(of_vertex(0, BSDF)));
         let point = light.point(lights.offset_roundings);
         Self {
@@ -90,10 +101,33 @@ impl LightPath {
             throughput: Vec3::ONE,
             subpath: Subpath::from_light(light.pdf)
                 .emit(cosine(light.normal, direction), samples.emission),
+            is_from_infinity: false,
+        }
+    }
+
+    /// From infinity, through the disc that the scene is seen as from there.
+    fn from_environment(
+        samples: &TechniqueSamples,
+        environment: &EnvironmentView<'_>,
+        numbers: &RandomNumbers,
+    ) -> Self {
+        let EnvironmentSample { direction, pdf } =
+            environment.sample(numbers.bits(of_vertex(0, LIGHT_POINT)));
+        let start = environment.disc_point(direction, numbers.pair(of_vertex(0, BSDF)));
+        let disc_area = environment.disc_area();
+        Self {
+            ray: Ray::new(start, -direction),
+            // Radiance over both densities.
+            flux: environment.radiance(direction) * (disc_area / pdf),
+            throughput: Vec3::ONE,
+            subpath: Subpath::from_environment(pdf, disc_area, samples.emission),
+            is_from_infinity: true,
         }
     }
 
     fn arrive(&mut self, surface: &Surface, distance: f32) {
+        let distance = if self.is_from_infinity { 1.0 } else { distance };
+        self.is_from_infinity = false;
         self.subpath =
             self.subpath.arrive(distance, cosine(surface.point.normal, self.ray.direction));
     }

@@ -35,6 +35,11 @@
 //! pinhole, which all techniques share, so it cancels; `b_(K-1)` follows from the density of the
 //! camera's ray within the pixel (see [`Camera::pdf`](crate::scene::camera::Camera::pdf)). It is
 //! left out for `K = 1`: a lamp seen directly is what eye paths find without noise.
+//!
+//! A vertex `x_0` on the environment is a direction, and densities there are per solid angle. Light
+//! from there reaches `x_1` through a disc of area `A` across its direction, so `f_1` is `c_1 / A`,
+//! and `b_0` is the density of the direction as such: in the formulas above the squared distance is
+//! 1, `c_0` is 1, and the density with which light would choose the way to `x_1` is `1 / A`.
 
 use crate::glam::Vec3;
 use crate::math::power_heuristic;
@@ -127,6 +132,13 @@ impl Subpath {
         Self { adjacent: 1.0 / pdf, earlier: 0.0 }
     }
 
+    /// The environment, where a direction has been chosen with `pdf` per solid angle and the place
+    /// of a ray on its disc, of area `disc_area`; `samples` are those of
+    /// [`TechniqueSamples::emission`]. The segment to the next vertex counts as of length 1.
+    pub fn from_environment(pdf: f32, disc_area: f32, samples: f32) -> Self {
+        Self { adjacent: disc_area, earlier: disc_area * (samples / pdf) }
+    }
+
     /// After a direction under this `cosine` has been chosen on the light with Lambert's density;
     /// `samples` are those of [`TechniqueSamples::emission`].
     pub fn emit(self, cosine: f32, samples: f32) -> Self {
@@ -194,6 +206,21 @@ pub fn emission_weight(
     power_heuristic(samples.emission, light_pdf * eye.norm(light, lambert(cosine)))
 }
 
+/// The weight of light of the environment that an eye path of `segments` ran into, whose last
+/// direction has `eye` and would be chosen with `light_pdf` per solid angle; `disc_area` is that of
+/// the scene seen from there.
+pub fn environment_weight(
+    samples: &TechniqueSamples,
+    eye: &Subpath,
+    segments: u32,
+    light_pdf: f32,
+    disc_area: f32,
+) -> f32 {
+    // Nothing connects the environment itself with the camera.
+    let light = if segments == 1 { 0.0 } else { samples.light };
+    power_heuristic(samples.emission, light_pdf * eye.norm(light, 1.0 / disc_area))
+}
+
 /// The segment between the ends of two subpaths that are put together.
 #[derive(Clone, Copy)]
 pub struct Join {
@@ -204,6 +231,13 @@ pub struct Join {
 }
 
 impl Join {
+    /// From a surface to the environment in a direction with this cosine to its triangle's normal,
+    /// which the path from the camera would choose with the density `eye_pdf` per solid angle;
+    /// `disc_area` is that of the scene seen from there.
+    pub fn to_environment(eye_cosine: f32, eye_pdf: f32, disc_area: f32) -> Self {
+        Self { to_light: eye_pdf, to_eye: eye_cosine / disc_area }
+    }
+
     /// Between two surfaces at this squared distance, with the cosines to their triangles' normals
     /// and the densities of the direction to the other per solid angle.
     pub fn new(
