@@ -40,6 +40,7 @@ struct EnvironmentArguments {
         long,
         value_name = "FACTOR",
         default_value_t = 1.0,
+        allow_negative_numbers = true,
         requires = "environment",
         value_parser = parse_strength
     )]

@@ -8,8 +8,8 @@ use raystream_tests::scene_folder::SceneFolder;
 /// A scene without a light of its own, and an environment with one bright side, `sky.exr`.
 fn folder() -> SceneFolder {
     let scene = SceneFolder::new().json(|scene| scene["quads"] = serde_json::json!([]));
-    let texel = |k: u32| if k % 8 < 4 { Vec3::X } else { Vec3::Y };
-    let sky = ColorImage { width: 8, height: 4, pixels: (0..32).map(texel).collect() };
+    let texel = |k: u32| if k % 32 < 16 { Vec3::X } else { Vec3::Y };
+    let sky = ColorImage { width: 32, height: 16, pixels: (0..512).map(texel).collect() };
     write_color(&scene.path("sky.exr"), &sky, &[], &Display::default()).unwrap();
     scene
 }

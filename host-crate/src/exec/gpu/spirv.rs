@@ -2,7 +2,8 @@
 //!
 //! NVIDIA's driver gives every pipeline the workgroup memory of all variables of its module,
 //! whichever kernels use them, and with it go registers and cache. So each pipeline is made of a
-//! module that has one entry point, the functions that it calls, and the variables that these name.
+//! module that has one entry point, the functions that it calls, and what these name: variables,
+//! constants and types.
 //!
 //! In it the word of [abilities](raystream_shaders::scene::abilities) is no specialisation constant
 //! any more but the scene's own. wgpu has no way to give one to a driver, and like this every
@@ -46,20 +47,9 @@ impl Kernels {
         let kept = self.reached_from(main);
         let functions: Vec<Function> =
             kept.iter().map(|&place| self.module.functions[place].clone()).collect();
-        let named: HashSet<u32> = functions.iter().flat_map(ids).collect();
-        let is_needed = |global: &&Instruction| {
-            global.class.opcode != Op::Variable
-                || global.result_id.is_some_and(|id| named.contains(&id))
-        };
         let module = &self.module;
-        let switches = self.switches();
-        let is_switch = |id: &u32| switches.contains(id);
-        let globals: Vec<Instruction> = (module.types_global_values.iter().filter(is_needed))
-            .map(|global| match global.result_id.filter(is_switch) {
-                Some(_) => constant(global, abilities),
-                None => global.clone(),
-            })
-            .collect();
+        let interface = entry.operands.iter().filter_map(Operand::id_ref_any);
+        let globals = self.globals(interface.chain(functions.iter().flat_map(ids)), abilities);
         let mut there: HashSet<u32> = functions.iter().flat_map(results).collect();
         there.extend(globals.iter().filter_map(|global| global.result_id));
         let is_there = |about: &&Instruction| {
@@ -86,6 +76,23 @@ impl Kernels {
             functions,
         };
         Ok(alone.assemble())
+    }
+
+    /// The types, constants and variables with these ids, and those that they name, in the module's
+    /// order; with `abilities` for the word of abilities.
+    fn globals(&self, named: impl Iterator<Item = u32>, abilities: u32) -> Vec<Instruction> {
+        let mut needed: HashSet<u32> = named.collect();
+        let switches = self.switches();
+        let mut kept = Vec::new();
+        // What a global names stands before it.
+        for global in self.module.types_global_values.iter().rev() {
+            let Some(id) = global.result_id.filter(|id| needed.contains(id)) else { continue };
+            needed.extend(ids_of(global));
+            let is_switch = switches.contains(&id);
+            kept.push(if is_switch { constant(global, abilities) } else { global.clone() });
+        }
+        kept.reverse();
+        kept
     }
 
     /// The specialisation constants that hold the abilities: one for each kernel that asks for them,
@@ -127,10 +134,15 @@ fn constant(special: &Instruction, word: u32) -> Instruction {
     Instruction::new(Op::Constant, special.result_type, special.result_id, value)
 }
 
+/// All ids that an instruction names, its own aside.
+fn ids_of(instruction: &Instruction) -> impl Iterator<Item = u32> {
+    let operands = instruction.operands.iter().filter_map(Operand::id_ref_any);
+    operands.chain(instruction.result_type)
+}
+
 /// All ids that a function's instructions name.
 fn ids(function: &Function) -> Vec<u32> {
-    let operands = function.all_inst_iter().flat_map(|instruction| &instruction.operands);
-    operands.filter_map(Operand::id_ref_any).collect()
+    function.all_inst_iter().flat_map(ids_of).collect()
 }
 
 /// All ids that a function's instructions define.
