@@ -118,7 +118,7 @@ impl Path {
             self.radiance += self.throughput * scene.background;
             if scene.lights.has_environment() {
                 let environment = &scene.lights.environment;
-                let weight = self.found_weight(params, || environment.pdf(self.ray.direction));
+                let weight = self.found_weight(params, environment.pdf(self.ray.direction));
                 let radiance = environment.radiance(self.ray.direction);
                 self.radiance += self.throughput * radiance * weight;
             }
@@ -126,10 +126,9 @@ impl Path {
         }
         let surface = Surface::at(&scene.surfaces, &self.ray, hit);
         if surface.emits() {
-            let weight = self.found_weight(params, || {
-                let cosine = self.ray.direction.dot(surface.point.normal).abs();
-                scene.lights.pdf_of_hit(surface.emission, hit.t, cosine)
-            });
+            let cosine = self.ray.direction.dot(surface.point.normal).abs();
+            let light_pdf = scene.lights.pdf_of_hit(surface.emission, hit.t, cosine);
+            let weight = self.found_weight(params, light_pdf);
             self.radiance += self.throughput * surface.emission * weight;
         }
         if self.depth >= params.max_depth {
@@ -160,14 +159,14 @@ impl Path {
     /// Weight of light that the last direction ran into, and that light sampling would have found
     /// with the density `light_pdf` per solid angle.
     #[inline(always)]
-    fn found_weight(&self, params: &PathParams, light_pdf: impl FnOnce() -> f32) -> f32 {
+    fn found_weight(&self, params: &PathParams, light_pdf: f32) -> f32 {
         if self.pdf == 0.0 || params.techniques == BSDF_SAMPLING_ALONE {
             return 1.0;
         }
         if params.techniques == LIGHT_SAMPLING_ALONE {
             return 0.0;
         }
-        power_heuristic(self.pdf, light_pdf())
+        power_heuristic(self.pdf, light_pdf)
     }
 
     /// Next-event estimation: what a sampled point of a light adds to the path here.

@@ -109,21 +109,27 @@ impl<'a> EnvironmentView<'a> {
         self.header != NO_ENVIRONMENT
     }
 
+    fn word(&self, index: u32) -> u32 {
+        at(self.words, self.header + index)
+    }
+
+    fn number(&self, index: u32) -> f32 {
+        f32::from_bits(self.word(index))
+    }
+
     fn header(&self) -> EnvironmentHeader {
-        let word = |index: u32| at(self.words, self.header + index);
-        let number = |index: u32| f32::from_bits(word(index));
         EnvironmentHeader {
-            width: word(0),
-            height: word(1),
-            first_texel: word(2),
-            columns: word(3),
-            rows: word(4),
-            distribution: word(5),
-            rotation: number(6),
-            scale: number(7),
-            centre: Vec3::new(number(8), number(9), number(10)),
-            radius: number(11),
-            chance: number(12),
+            width: self.word(0),
+            height: self.word(1),
+            first_texel: self.word(2),
+            columns: self.word(3),
+            rows: self.word(4),
+            distribution: self.word(5),
+            rotation: self.number(6),
+            scale: self.number(7),
+            centre: Vec3::new(self.number(8), self.number(9), self.number(10)),
+            radius: self.number(11),
+            chance: self.number(12),
             pad0: 0,
             pad1: 0,
             pad2: 0,
@@ -138,11 +144,15 @@ impl<'a> EnvironmentView<'a> {
         let (left, top) = (x.floor(), y.floor());
         let (x0, x1) = (wrap(left, header.width), wrap(left + 1.0, header.width));
         let (y0, y1) = (clamp(top, header.height), clamp(top + 1.0, header.height));
-        let texel =
-            |x: u32, y: u32| unpack(at(self.words, header.first_texel + y * header.width + x));
-        let upper = texel(x0, y0).lerp(texel(x1, y0), x - left);
-        let lower = texel(x0, y1).lerp(texel(x1, y1), x - left);
+        let row0 = header.first_texel + y0 * header.width;
+        let row1 = header.first_texel + y1 * header.width;
+        let upper = self.texel(row0 + x0).lerp(self.texel(row0 + x1), x - left);
+        let lower = self.texel(row1 + x0).lerp(self.texel(row1 + x1), x - left);
         upper.lerp(lower, y - top) * header.scale
+    }
+
+    fn texel(&self, word: u32) -> Vec3 {
+        unpack(at(self.words, word))
     }
 
     /// Draws a direction by 64 random `bits`.
