@@ -50,7 +50,7 @@ pub use film::FilmSize;
 pub use light::QuadLight;
 pub use limits::PathLimits;
 pub use load::{LoadOptions, load, load_named};
-pub use material::{Material, MaterialId, Reflectance};
+pub use material::{Channel, Maps, Material, MaterialId, NormalMap, Principled, Reflectance};
 pub use mesh::Mesh;
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, embedded, shipped};
 pub use texture::{Texture, TextureId};

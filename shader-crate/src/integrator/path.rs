@@ -153,7 +153,7 @@ impl Path {
         &self,
         params: &PathParams,
         lights: &LightView<'_>,
-        surface: &Surface,
+        surface: &Surface<'_, impl Abilities>,
         distance: f32,
     ) -> f32 {
         if self.pdf == 0.0 || params.techniques == BSDF_SAMPLING_ALONE {
@@ -171,7 +171,7 @@ impl Path {
         &self,
         params: &PathParams,
         lights: &LightView<'_>,
-        surface: &Surface,
+        surface: &Surface<'_, impl Abilities>,
         choice: u32,
         point: [f32; 2],
     ) -> SampledLight {

@@ -13,6 +13,9 @@ pub const ABILITIES: u32 = 0;
 /// Surfaces have textures.
 pub const TEXTURES: u32 = 1 << 0;
 
+/// Surfaces are [principled](crate::scene::bsdf::principled).
+pub const PRINCIPLED: u32 = 1 << 2;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! geometry: nodes of the BVH | triangles, for the test
-//! surfaces: triangles, for shading | attributes | materials | lights
+//! surfaces: triangles, for shading | attributes | materials | lights | albedos | layers
 //! texels:   see `texture`
 //! ```
 //!
@@ -53,8 +53,10 @@ device_struct! {
         pub first_light: u32,
         /// Largest component of the radiance that lights emit; 0 without lights.
         pub brightest: f32,
-        /// Unused; zero.
-        pub pad: u32,
+        /// Row of `surfaces` with the first of the [table of albedos](bsdf::albedo), behind which
+        /// the [layers](bsdf::principled::Layers) of all materials lie; 0 without principled
+        /// materials.
+        pub first_albedos: u32,
     }
 }
 
@@ -94,6 +96,7 @@ impl<'a, F: Abilities> SceneView<'a, F> {
                 rows: surfaces,
                 first_attributes: params.first_attributes,
                 first_material: params.first_material,
+                first_albedos: params.first_albedos,
                 offset_roundings: params.offset_roundings,
                 textures: TextureView::new(texels),
                 abilities,

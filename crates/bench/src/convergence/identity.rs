@@ -3,7 +3,9 @@
 use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
-use raystream::scene::{Camera, Material, Reflectance, Scene};
+use raystream::scene::{
+    Camera, Channel, Maps, Material, Principled, Reflectance, Scene, TextureId,
+};
 use sha2::{Digest, Sha256};
 
 /// Everything that a reference's pixels depend on, as pairs of name and value.
@@ -120,7 +122,24 @@ fn add_material(hasher: &mut Sha256, material: &Material) {
             hasher.update([4]);
             add(hasher, &[radiance, reflectance]);
         }
+        Material::Principled(material) => {
+            hasher.update([5]);
+            let Principled { metallic, roughness, ior, transmission, .. } = material;
+            add(hasher, &[metallic, roughness, ior, transmission]);
+            add(hasher, &[material.base_colour, material.specular, material.emission]);
+            add_maps(hasher, &material.maps);
+        }
     }
+}
+
+fn add_maps(hasher: &mut Sha256, maps: &Maps) {
+    let texture = |map: Option<TextureId>| map.map_or(u32::MAX, |map| map.0);
+    let channel =
+        |map: Option<Channel>| map.map_or([u32::MAX; 2], |map| [map.texture.0, map.channel]);
+    let [roughness, metallic] = [maps.roughness, maps.metallic].map(channel);
+    add(hasher, &[texture(maps.base_colour), texture(maps.normal.map(|map| map.texture))]);
+    add(hasher, &[roughness, metallic].concat());
+    add(hasher, &[maps.normal.map_or(1.0, |map| map.scale)]);
 }
 
 /// A digest of a picture's channels, their names aside.

@@ -1,5 +1,6 @@
 //! A scene in the layout that the kernels read.
 
+mod albedos;
 pub mod bvh;
 pub mod camera;
 mod geometry;
@@ -13,10 +14,10 @@ use self::geometry::Geometry;
 use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
-use crate::scene::{Camera, PathLimits, Scene};
+use crate::scene::{Camera, Material, PathLimits, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
-use raystream_shaders::scene::abilities::{ALL, Fixed, TEXTURES};
+use raystream_shaders::scene::abilities::{ALL, Fixed, PRINCIPLED, TEXTURES};
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -60,6 +61,7 @@ impl PreparedScene {
         let mut geometry = bvh.nodes;
         let first_planes = append(&mut geometry, &triangles::planes(&triangles, &bvh.order));
         let mut surfaces = triangles::shading(&triangles, &bvh.order);
+        let layers = materials::layers(scene, &places);
         let params = SceneParams {
             background: scene.background,
             lights: lights.table.len() as u32,
@@ -69,6 +71,14 @@ impl PreparedScene {
             first_attributes: append(&mut surfaces, &attributes),
             first_material: append(&mut surfaces, &materials),
             first_light: append(&mut surfaces, &lights.table),
+            first_albedos: match layers.is_empty() {
+                true => 0,
+                false => {
+                    let first = append(&mut surfaces, albedos::table());
+                    append(&mut surfaces, &layers);
+                    first
+                }
+            },
             ..SceneParams::zeroed()
         };
         Ok(Self {
@@ -97,8 +107,13 @@ impl PreparedScene {
 
 /// What a scene uses.
 fn abilities(scene: &Scene) -> u32 {
-    let has_textures = scene.materials.iter().any(|material| material.texture().is_some());
-    if has_textures { TEXTURES } else { 0 }
+    let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
+    let has_textures = any(|material| material.textures().next().is_some());
+    let is_principled = any(|material| matches!(material, Material::Principled(_)));
+    [(has_textures, TEXTURES), (is_principled, PRINCIPLED)]
+        .into_iter()
+        .map(|(uses, ability)| if uses { ability } else { 0 })
+        .sum()
 }
 
 /// Adds the rows of `elements`, whose sizes are multiples of a row's; the number of the first one.
@@ -111,7 +126,8 @@ fn append<T: Pod>(rows: &mut Vec<UVec4>, elements: &[T]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raystream_shaders::scene::bsdf::Material;
+    use raystream_shaders::scene::bsdf;
+    use raystream_shaders::scene::bsdf::principled::Layers;
     use raystream_shaders::scene::light::Light;
     use raystream_shaders::scene::triangle::Attributes;
 
@@ -126,8 +142,10 @@ mod tests {
 
     #[test]
     fn kernels_unpack_the_memory_that_the_host_writes() {
-        let (rows, material) = numbered::<Material, { Material::ROWS as usize }>();
-        assert_eq!(Material::from_rows(rows), material);
+        let (rows, material) = numbered::<bsdf::Material, { bsdf::Material::ROWS as usize }>();
+        assert_eq!(bsdf::Material::from_rows(rows), material);
+        let (rows, layers) = numbered::<Layers, { Layers::ROWS as usize }>();
+        assert_eq!(Layers::from_rows(rows), layers);
         let (rows, light) = numbered::<Light, { Light::ROWS as usize }>();
         assert_eq!(Light::from_rows(rows), light);
         let (rows, attributes) = numbered::<Attributes, { Attributes::ROWS as usize }>();

@@ -56,6 +56,9 @@ struct EyePath {
     /// Product of the weights so far.
     throughput: Vec3,
     subpath: Subpath,
+    /// Whether the vertex before may be connected with light vertices: the camera and what is
+    /// diffuse.
+    connects: bool,
     /// What has been gathered.
     radiance: Vec3,
     rays: u32,
@@ -70,6 +73,7 @@ impl<F: Abilities> EyeTracer<'_, F> {
             ray,
             throughput: Vec3::ONE,
             subpath: Subpath::from_camera(self.params.path.camera.pdf(ray.direction)),
+            connects: true,
             radiance: Vec3::ZERO,
             rays: 0,
         };
@@ -105,15 +109,19 @@ impl<F: Abilities> EyeTracer<'_, F> {
         }
         let vertex = depth - 1;
         let [choice, roulette] = numbers.bits(of_vertex(vertex, CHOICES));
-        let without = self.samples.without_last_of(depth);
+        let is_diffuse = surface.bsdf.is_diffuse();
+        let connects = is_diffuse && path.connects;
+        let without = if connects { self.samples.without_last_of(depth) } else { 0.0 };
+        path.connects = is_diffuse;
         if !surface.bsdf.is_delta() {
-            let back = lambert(cosine(surface.bsdf.normal, incoming));
-            let norm = path.subpath.norm(without, back);
             if !self.scene.lights.is_empty() && self.samples.light > 0.0 {
                 let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
-                self.sample_light(path, &surface, norm, choice, point);
+                self.sample_light(path, &surface, without, choice, point);
             }
-            if self.params.connections > 0 && surface.bsdf.reflectance.max_element() > 0.0 {
+            let is_lit = is_diffuse && surface.bsdf.reflectance.max_element() > 0.0;
+            if self.params.connections > 0 && is_lit {
+                let back = lambert(cosine(surface.bsdf.normal, incoming));
+                let norm = path.subpath.norm(without, back);
                 self.connect(path, &surface, norm, numbers, depth);
             }
         }
@@ -128,13 +136,13 @@ impl<F: Abilities> EyeTracer<'_, F> {
         true
     }
 
-    /// Next-event estimation: adds what a sampled point of a light sends to a surface, whose
-    /// subpath has this [`norm`](Subpath::norm).
+    /// Next-event estimation: adds what a sampled point of a light sends to a surface. There are
+    /// `without` samples of the technique without the surface.
     fn sample_light(
         &self,
         path: &mut EyePath,
-        surface: &Surface,
-        norm: f32,
+        surface: &Surface<'_, impl Abilities>,
+        without: f32,
         choice: u32,
         point: [f32; 2],
     ) {
@@ -148,6 +156,8 @@ impl<F: Abilities> EyeTracer<'_, F> {
         let distance2 = light.distance * light.distance;
         let emission_pdf = lambert(light.cosine);
         let join = Join::new(distance2, cosine_here, event.bsdf_pdf, light.cosine, emission_pdf);
+        let back = surface.bsdf.pdf_back(incoming, light.direction);
+        let norm = path.subpath.norm(without, back);
         let weight = light_weight(&self.samples, &join, norm, light.area_pdf);
         self.add_unless_occluded(path, &event.segment(surface), event.radiance * weight);
     }
@@ -156,7 +166,7 @@ impl<F: Abilities> EyeTracer<'_, F> {
     fn connect(
         &self,
         path: &mut EyePath,
-        surface: &Surface,
+        surface: &Surface<'_, impl Abilities>,
         norm: f32,
         numbers: &RandomNumbers,
         depth: u32,
@@ -182,7 +192,7 @@ impl<F: Abilities> EyeTracer<'_, F> {
     fn connect_to(
         &self,
         path: &mut EyePath,
-        surface: &Surface,
+        surface: &Surface<'_, impl Abilities>,
         norm: f32,
         light: &LightVertex,
         scale: f32,

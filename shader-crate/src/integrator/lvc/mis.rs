@@ -38,6 +38,7 @@
 
 use crate::glam::Vec3;
 use crate::math::power_heuristic;
+use crate::scene::abilities::Abilities;
 use crate::scene::bsdf::BsdfSample;
 use crate::scene::surface::Surface;
 use core::f32::consts::FRAC_1_PI;
@@ -130,7 +131,7 @@ impl Subpath {
     /// After a direction under this `cosine` has been chosen on the light with Lambert's density;
     /// `samples` are those of [`TechniqueSamples::emission`].
     pub fn emit(self, cosine: f32, samples: f32) -> Self {
-        self.diffuse(cosine, lambert(cosine), self.norm(samples, 0.0))
+        self.leave(cosine, lambert(cosine), self.norm(samples, 0.0))
     }
 
     /// After the segment to the next vertex, `distance` long, that arrives with this `cosine` to
@@ -151,31 +152,33 @@ impl Subpath {
 
     /// After the direction `sample` has been chosen at `surface`, where the path arrived along
     /// `incoming`; `samples` as in [`Self::norm`].
+    #[inline(always)]
     pub fn scatter(
         self,
-        surface: &Surface,
+        surface: &Surface<'_, impl Abilities>,
         incoming: Vec3,
         sample: &BsdfSample,
         samples: f32,
     ) -> Self {
         let leaving = cosine(surface.point.normal, sample.direction);
-        let from = cosine(surface.bsdf.normal, incoming);
-        let to = cosine(surface.bsdf.normal, sample.direction);
         if sample.pdf > 0.0 {
-            return self.diffuse(leaving, lambert(to), self.norm(samples, lambert(from)));
+            let back = surface.bsdf.pdf_back(incoming, sample.direction);
+            return self.leave(leaving, sample.pdf, self.norm(samples, back));
         }
         // The chances of the lobe are the same from both sides, and what is left of the ratio of
         // two delta distributions is that of the solid angles: 1 for a reflection, and by Snell's
         // law n1^2 cos1 / (n2^2 cos2) for a refraction.
         let mut solid_angles = 1.0;
         if sample.is_transmitted(surface.bsdf.normal) {
+            let from = cosine(surface.bsdf.normal, incoming);
+            let to = cosine(surface.bsdf.normal, sample.direction);
             solid_angles = from / (sample.eta * sample.eta * to);
         }
         Self { adjacent: 0.0, earlier: solid_angles * leaving * self.earlier }
     }
 
-    /// After a direction of density `pdf` has been chosen at a diffuse vertex of this `norm`.
-    fn diffuse(self, leaving: f32, pdf: f32, norm: f32) -> Self {
+    /// After a direction of density `pdf` has been chosen at a vertex of this `norm`.
+    fn leave(self, leaving: f32, pdf: f32, norm: f32) -> Self {
         Self { adjacent: 1.0 / pdf, earlier: leaving / pdf * norm }
     }
 }
