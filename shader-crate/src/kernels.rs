@@ -1,5 +1,5 @@
-//! The table of kernels: the one place that says what a kernel is called, how large its workgroup is
-//! and what it binds.
+//! The table of kernels: the one place that says what a kernel is called, how large its workgroup
+//! is and what it binds.
 //!
 //! Each row of [`for_each_kernel!`](crate::for_each_kernel) is
 //!
@@ -16,17 +16,22 @@
 //!
 //! and stands for `function(lane, &P, &SceneView, &[R] ..., &mut W ..., &mut Scatter<S> ..., &mut
 //! Atomics ...)`. The uniform comes first. A row that says `with scene` binds all of the scene's
-//! buffers, and its function gets one [`SceneView`](crate::scene::SceneView). Then come the storage
-//! buffers: the read-only ones, those of which lane `lane` owns the element `lane`, and those that
-//! lanes write at places of their choice (see [`crate::memory::access`]). Bindings are numbered in
-//! this order. The row becomes
+//! buffers, and its function gets one [`SceneView`](crate::scene::SceneView), which knows what the
+//! scene [uses](crate::scene::abilities). Then come the storage buffers: the read-only ones, those
+//! of which lane `lane` owns the element `lane`, and those that lanes write at places of their
+//! choice (see [`crate::memory::access`]). Bindings are numbered in this order. The row becomes
 //!
 //! - here, compiled for the GPU, the entry point `name`, which binds, checks `lane < P.threads` and
 //!   calls;
 //! - in the host crate, a `Kernel`: the same facts as data, and a native loop over lanes for the
-//!   CPU. It is safe Rust, because an element that a lane owns is an element of a parallel iterator;
+//!   CPU. It is safe Rust, because an element that a lane owns is an element of a parallel
+//!   iterator;
 //! - in the host crate, too, a function `name(&P, &SceneBuffers, View<R> ..., View<W> ...)` that
 //!   makes a launch of it, so that the compiler checks what each binding is given.
+//!
+//! What a scene uses is known when its kernels are compiled for a device: the entry point has the
+//! specialisation constant [`ABILITIES`](crate::scene::abilities::ABILITIES), the native function a
+//! loop for each of the CPU's levels.
 //!
 //! A row `name[workgroup size] phased(phases, Memory) = function { ... }` is a kernel whose lanes
 //! cooperate, see [`crate::parallel::prefix`]: `function(phase, Lane, &P, ..., &mut Memory)` is
@@ -509,6 +514,7 @@ pub mod entry_points {
     use crate::glam::{UVec3, UVec4};
     use crate::memory::access::{Atomics, Scatter, at_mut};
     use crate::parallel::prefix::Lane;
+    use crate::scene::abilities::Specialised;
     use crate::scene::{SceneView, TracingParams};
     use spirv_std::arch::workgroup_memory_barrier_with_group_sync;
     use spirv_std::spirv;
@@ -547,13 +553,20 @@ pub mod entry_points {
                 $lane $parameters $kernel [$($numbers)*]
                 [
                     $($bound)*
+                    #[spirv(spec_constant(id = 0, default = 0))] abilities: u32,
                     #[spirv(storage_buffer, descriptor_set = 0, binding = $a)] geometry: &[UVec4],
                     #[spirv(storage_buffer, descriptor_set = 0, binding = $b)] surfaces: &[UVec4],
                     #[spirv(storage_buffer, descriptor_set = 0, binding = $c)] texels: &[u32],
                 ]
                 [
                     $($passed)*
-                    &SceneView::new(&$parameters.scene(), geometry, surfaces, texels),
+                    &SceneView::new(
+                        Specialised(abilities),
+                        &$parameters.scene(),
+                        geometry,
+                        surfaces,
+                        texels,
+                    ),
                 ]
                 $($rest)*
             }

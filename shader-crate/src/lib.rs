@@ -16,6 +16,8 @@ pub mod estimator;
 pub mod film;
 pub mod integrator;
 pub mod kernels;
+#[cfg(not(target_arch = "spirv"))]
+pub mod levels;
 pub mod math;
 pub mod memory;
 pub mod parallel;

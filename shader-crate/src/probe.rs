@@ -8,11 +8,12 @@ use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers};
 use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::at;
 use crate::memory::device_struct;
+use crate::scene::abilities::Abilities;
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
 use crate::scene::{SceneParams, SceneView, TracingParams};
 
 device_struct! {
-    /// The parameters of a trace by brute force. 64 bytes.
+    /// The parameters of a trace by brute force. 80 bytes.
     pub struct BruteForceParams {
         /// Rays.
         pub threads: u32,
@@ -45,7 +46,7 @@ pub fn primary_rays(lane: u32, params: &PathParams, slots: &[Slot], ray: &mut Ra
 pub fn bounce_rays(
     lane: u32,
     params: &PathParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     rays: &[Ray],
     hits: &[Hit],
     bounced: &mut Ray,
@@ -67,7 +68,7 @@ pub fn bounce_rays(
 pub fn shadow_rays(
     lane: u32,
     params: &PathParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     rays: &[Ray],
     hits: &[Hit],
     shadow: &mut Ray,
@@ -77,16 +78,29 @@ pub fn shadow_rays(
     *shadow = if hit.is_some() && !scene.lights.is_empty() {
         let point = surface_point(scene, &ray, &hit);
         let numbers = RandomNumbers::new(params.sampler, params.seed, lane, 0);
-        let light = scene.lights.point(numbers.bits(CHOICES)[0], numbers.pair(LIGHT_POINT));
-        let from = point.offset_towards(light.position - point.position);
-        Ray::segment(from, light.position - from, 0.9999)
+        let index = scene.lights.choose(numbers.bits(CHOICES)[0]);
+        let end = if scene.lights.is_environment(index) {
+            let environment = &scene.lights.environment;
+            let direction = environment.sample(numbers.bits(LIGHT_POINT)).direction;
+            environment.far_end(point.position, direction)
+        } else {
+            scene.lights.point_on(index, numbers.pair(LIGHT_POINT)).position
+        };
+        let from = point.offset_towards(end - point.position);
+        Ray::segment(from, end - from, 0.9999)
     } else {
         ray
     };
 }
 
 /// Kernel: the nearest hit of ray `lane`.
-pub fn closest_hits(lane: u32, _: &PathParams, scene: &SceneView<'_>, rays: &[Ray], hit: &mut Hit) {
+pub fn closest_hits(
+    lane: u32,
+    _: &PathParams,
+    scene: &SceneView<'_, impl Abilities>,
+    rays: &[Ray],
+    hit: &mut Hit,
+) {
     *hit = scene.bvh.closest_hit(&at(rays, lane));
 }
 
@@ -96,7 +110,7 @@ pub fn closest_hits(lane: u32, _: &PathParams, scene: &SceneView<'_>, rays: &[Ra
 pub fn brute_force_hits(
     lane: u32,
     params: &BruteForceParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     rays: &[Ray],
     hit: &mut Hit,
 ) {
@@ -115,7 +129,7 @@ pub fn brute_force_hits(
 pub fn any_hits(
     lane: u32,
     _: &PathParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     rays: &[Ray],
     occluded: &mut u32,
 ) {
@@ -123,7 +137,7 @@ pub fn any_hits(
 }
 
 /// The point that `ray` hit, its normal on the side that the ray came from.
-fn surface_point(scene: &SceneView<'_>, ray: &Ray, hit: &Hit) -> SurfacePoint {
+fn surface_point(scene: &SceneView<'_, impl Abilities>, ray: &Ray, hit: &Hit) -> SurfacePoint {
     let point = scene.surfaces.point(&scene.surfaces.triangle(hit.triangle), ray, hit);
     let behind = ray.direction.dot(point.normal) > 0.0;
     SurfacePoint { normal: if behind { -point.normal } else { point.normal }, ..point }

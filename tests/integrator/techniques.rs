@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use raystream::render::{Settings, Techniques};
-use raystream::scene::{FilmSize, Material, Scene};
+use raystream::scene::{FilmSize, Material, Principled, Scene};
 use raystream_tests::scenes::{self, add_ball, add_box};
 use raystream_tests::statistics::assert_same_expectation;
 use raystream_tests::{prepare, render, settings};
@@ -112,6 +112,29 @@ fn light_sampling_bsdf_sampling_and_both_agree() {
         noise(&both) < noise(&bsdf),
         "next-event estimation makes a room with a lamp less noisy"
     );
+}
+
+#[test]
+fn techniques_agree_around_glossy_materials() {
+    let paint = Principled::paint(Vec3::new(0.7, 0.5, 0.3), 0.25);
+    for (name, ball) in [
+        ("metal", Principled::metal(Vec3::splat(0.9), 0.35)),
+        ("paint", paint),
+        ("rough glass", Principled::glass(1.5, 0.4)),
+        ("a mixture", Principled { metallic: 0.4, transmission: 0.5, ..paint }),
+    ] {
+        let scene = scenes::room(Material::Principled(ball), 1.0);
+        let prepared = prepare(&scene);
+        let settings = settings(&scene);
+        let of = |techniques, seed, samples| {
+            render(&prepared, &Settings { seed, techniques, ..settings }, samples)
+        };
+        let both = of(Techniques::Both, 1, 512);
+        let light = of(Techniques::LightSampling, 2, 1024);
+        assert_same_expectation(&both, &light, &format!("{name}, light sampling"));
+        let bsdf = of(Techniques::BsdfSampling, 3, 4096);
+        assert_same_expectation(&both, &bsdf, &format!("{name}, BSDF sampling"));
+    }
 }
 
 #[test]

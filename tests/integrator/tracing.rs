@@ -8,7 +8,7 @@ use raystream::render::integrator::regeneration::Regeneration;
 use raystream::render::integrator::wavefront::Wavefront;
 use raystream::render::integrator::{Integrator, StreamBuffers};
 use raystream::render::{IntegratorKind, PreparedScene, Settings};
-use raystream::scene::{FilmSize, Scene};
+use raystream::scene::{FilmSize, Material, Principled, Scene};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::{NO_PIXEL, Slot};
 use raystream_shaders::math::random::hash;
@@ -142,9 +142,22 @@ pub fn cases(count: u32) -> Vec<Case> {
         Case::new("a mirror ball", room(scenes::mirror(0.9)), count).with(|s| s.roulette_depth = 1),
         Case::new("a mirror ball", room(scenes::mirror(1.0)), count)
             .with(|s| (s.max_depth, s.roulette_depth) = (40, 99)),
+        Case::new(
+            "a rough metal ball",
+            room(Material::Principled(Principled::metal(Vec3::splat(0.9), 0.3))),
+            count,
+        ),
+        Case::new(
+            "a ball of rough glass",
+            room(Material::Principled(Principled::glass(1.5, 0.3))),
+            count,
+        )
+        .scrambled(),
         Case::new("a glowing ball", room(scenes::emissive(3.0, 0.5)), count)
             .with(|s| s.max_depth = 1),
         Case::new("a black ball", room(scenes::diffuse(0.0)), count).with(|s| s.max_depth = 2),
         Case::new("a ball without a light", open, count).scrambled(),
+        Case::new("a room under a sky", sized(scenes::roofless(scenes::glass(1.5)), 19, 13), count)
+            .scrambled(),
     ]
 }

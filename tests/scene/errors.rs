@@ -191,14 +191,27 @@ fn quads() {
     expect_value("/quads/0/radiance", json!([1, 1e30, 0]), &["quads[0].radiance"]);
 }
 
+/// What is said of a rule for a material.
+fn expect_rule(rule: Value, parts: &[&str]) {
+    expect(SceneFolder::new().plain(rule), &[&["scene.json", "materials.plain"], parts].concat());
+}
+
+#[test]
+fn principled_materials() {
+    expect_rule(json!({"type": "principled"}), &["needs the key `reflectance`"]);
+    let grey = json!([0.5, 0.5, 0.5]);
+    let principled =
+        |key: &str, value: Value| json!({"type": "principled", "reflectance": grey, key: value});
+    expect_rule(principled("roughness", json!(1.5)), &["must be from 0 to 1, is 1.5"]);
+    expect_rule(principled("metallic", json!(-1)), &["must be from 0 to 1, is -1"]);
+    expect_rule(principled("ior", json!(0)), &["must be from 0.01 to 100, is 0"]);
+    expect_rule(principled("transmittance", json!([1, 1, 1])), &["has no key `transmittance`"]);
+    let rough_mirror = json!({"type": "mirror", "reflectance": [1, 1, 1], "roughness": 0.1});
+    expect_rule(rough_mirror, &["a mirror material has no key `roughness`"]);
+}
+
 #[test]
 fn materials() {
-    let expect_rule = |rule: Value, parts: &[&str]| {
-        expect(
-            SceneFolder::new().plain(rule),
-            &[&["scene.json", "materials.plain"], parts].concat(),
-        );
-    };
     expect_rule(json!({"type": "metal"}), &["unknown variant `metal`", "`mirror`"]);
     expect_rule(json!({"reflectance": [0, 0, 0]}), &["missing field `type`"]);
     expect_rule(json!({"type": "diffuse"}), &["needs the key `reflectance`"]);
@@ -230,7 +243,7 @@ fn materials() {
     expect_rule(json!({"type": "mirror"}), &["needs the key `reflectance`"]);
     expect_rule(
         json!({"type": "mirror", "reflectance": {"texture": "x.png"}}),
-        &["only a diffuse", "texture"],
+        &["only diffuse and principled", "texture"],
     );
     expect_rule(json!({"type": "dielectric"}), &["needs the key `ior`"]);
     for ior in [0.0, -1.5, 1e9] {

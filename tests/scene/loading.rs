@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 use raystream::scene::{
-    FilmSize, Material, PathLimits, QuadLight, Scene, Texture, TextureId, embedded, load,
-    load_named,
+    FilmSize, Material, PathLimits, Principled, QuadLight, Scene, Texture, TextureId, embedded,
+    load, load_named,
 };
 use raystream_tests::large_scenes;
 use raystream_tests::scene_folder::{MTL, SceneFolder};
@@ -75,7 +75,7 @@ fn the_large_scenes() {
         let with_texture = scene
             .meshes
             .iter()
-            .filter(|mesh| scene.materials[mesh.material.0 as usize].texture().is_some());
+            .filter(|mesh| scene.materials[mesh.material.0 as usize].textures().next().is_some());
         let with_texture: usize = with_texture.map(|mesh| mesh.triangles.len()).sum();
         assert_eq!(with_texture, textured, "{name}");
     }
@@ -127,6 +127,31 @@ fn overrides_match_without_any_mtl() {
         "{:?}",
         scene.warnings
     );
+}
+
+#[test]
+fn principled_materials_of_a_scene_file() {
+    let of = |rule: serde_json::Value| {
+        let folder = SceneFolder::new().json(|scene| scene["materials"] = json!({"plain": rule}));
+        image::RgbImage::new(1, 1).save(folder.path("t.png")).unwrap();
+        loaded(&folder)
+    };
+    let whole = of(json!({
+        "type": "principled", "reflectance": [1, 0.5, 0.25], "metallic": 0.25, "roughness": 0.125,
+        "transmission": 0.75, "ior": 1.25, "radiance": [1, 2, 3]
+    }));
+    let expected = Principled {
+        metallic: 0.25,
+        transmission: 0.75,
+        ior: 1.25,
+        emission: Vec3::new(1.0, 2.0, 3.0),
+        ..Principled::paint(Vec3::new(1.0, 0.5, 0.25), 0.125)
+    };
+    assert!(whole.materials.contains(&Material::Principled(expected)), "{:?}", whole.materials);
+    let plain = of(json!({"type": "principled", "reflectance": {"texture": "t.png"}}));
+    // Faces without texture coordinates show the mean of the texture, which is black.
+    let expected = Principled::paint(Vec3::ZERO, 0.5);
+    assert!(plain.materials.contains(&Material::Principled(expected)), "{:?}", plain.materials);
 }
 
 #[test]

@@ -3,6 +3,8 @@
 
 mod bsdf;
 mod camera;
+mod environment;
+mod environment_files;
 mod errors;
 mod files;
 mod leaks;

@@ -148,8 +148,8 @@ fn numbers(seed: u32) -> impl FnMut() -> f32 {
     }
 }
 
-/// Some 300 triangles: small ones, needles, ones as large as the scene, in planes along the axes and
-/// not, copies of each other in other orders of corners, and several at the same corners.
+/// Some 300 triangles: small ones, needles, ones as large as the scene, in planes along the axes
+/// and not, copies of each other in other orders of corners, and several at the same corners.
 fn jumble(seed: u32) -> Scene {
     let mut number = numbers(seed);
     let mut scene = scenes::empty(Vec3::ZERO, Vec3::X);

@@ -1,8 +1,18 @@
 //! Materials as the kernels read them.
 
 use glam::Vec3;
-use raystream_shaders::scene::bsdf::{Material, MaterialKind};
+use raystream_shaders::scene::abilities::{BASIC, Fixed};
+use raystream_shaders::scene::bsdf::albedo::AlbedoView;
+use raystream_shaders::scene::bsdf::principled::Layers;
+use raystream_shaders::scene::bsdf::{Bsdf, Material, MaterialKind};
 use raystream_shaders::scene::texture::NO_TEXTURE;
+
+/// A material that looks nothing up, at a point with this shading `normal`, which is on the side
+/// that the path came from: `from_outside` says whether that is the front.
+pub fn bsdf(material: &Material, normal: Vec3, from_outside: bool) -> Bsdf<'static, Fixed<BASIC>> {
+    let albedos = AlbedoView { rows: &[], first: 0 };
+    material.bsdf(normal, from_outside, Layers::NONE, albedos, Fixed)
+}
 
 /// Lambert's law.
 pub fn diffuse(reflectance: f32) -> Material {

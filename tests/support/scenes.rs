@@ -1,7 +1,7 @@
 //! Small scenes, made in place.
 
 use glam::Vec3;
-use raystream::scene::{Camera, FilmSize, Material, MaterialId, Mesh, Scene};
+use raystream::scene::{Camera, Environment, FilmSize, Material, MaterialId, Mesh, Scene};
 
 /// Lambert's law.
 pub fn diffuse(reflectance: f32) -> Material {
@@ -141,5 +141,35 @@ pub fn room(ball: Material, scale: f32) -> Scene {
     add_quad(&mut scene, at(0.35, 0.98, 0.4), at(0.3, 0.0, 0.0), at(0.0, 0.0, 0.3), lamp);
     add_box(&mut scene, at(0.15, 0.0, 0.55), at(0.4, 0.35, 0.8), false, block);
     add_ball(&mut scene, at(0.68, 0.22, 0.6), 0.2 * scale, 3, ball);
+    scene
+}
+
+/// An environment of 24x12 texels: a sun, a sky that is brighter at the horizon, and black below.
+pub fn sky() -> Environment {
+    let (width, height) = (24, 12);
+    let texel = |index: u32| {
+        let (x, y) = (index % width, index / width);
+        if (x, y) == (5, 2) {
+            Vec3::new(60.0, 50.0, 40.0)
+        } else if y < height / 2 {
+            Vec3::new(0.2, 0.3, 0.5) * (1.0 + y as f32 * 0.25)
+        } else {
+            Vec3::ZERO
+        }
+    };
+    Environment::new(width, height, (0..width * height).map(texel).collect())
+}
+
+/// A room without a roof, with a lamp and a ball, under the [`sky`].
+pub fn roofless(ball: Material) -> Scene {
+    let mut scene = empty(Vec3::new(0.5, 0.7, 2.4), Vec3::new(0.5, 0.3, 0.0));
+    let wall = scene.add_material(Material::diffuse(Vec3::new(0.7, 0.6, 0.5)));
+    let lamp = scene.add_material(emissive(4.0, 0.2));
+    let ball = scene.add_material(ball);
+    add_quad(&mut scene, Vec3::new(-0.5, 0.0, -0.5), Vec3::Z * 2.0, Vec3::X * 2.0, wall);
+    add_quad(&mut scene, Vec3::new(-0.5, 0.0, -0.5), Vec3::X * 2.0, Vec3::Y, wall);
+    add_quad(&mut scene, Vec3::new(-0.3, 0.6, -0.3), Vec3::X * 0.3, Vec3::Z * 0.3, lamp);
+    add_ball(&mut scene, Vec3::new(0.7, 0.3, 0.4), 0.3, 2, ball);
+    scene.set_environment(sky());
     scene
 }

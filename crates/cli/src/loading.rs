@@ -3,10 +3,10 @@
 use super::output::say;
 use super::progress::Waiting;
 use clap::Args;
-use raystream::scene::{LoadOptions, Scene, SceneError, shipped};
-use std::path::Path;
+use raystream::scene::{Environment, LoadOptions, Scene, SceneError, shipped};
+use std::path::{Path, PathBuf};
 
-/// The options that say how scenes are loaded.
+/// The options that say how scenes are loaded, and what lights them besides.
 #[derive(Args)]
 pub struct LoadArguments {
     /// Memory in GiB that loading a scene may take, by an estimate; a scene that needs more is
@@ -14,6 +14,53 @@ pub struct LoadArguments {
     /// eighth.
     #[arg(long, value_name = "GIB", default_value_t = 8.0, value_parser = parse_memory)]
     max_memory: f64,
+    #[command(flatten)]
+    environment: EnvironmentArguments,
+}
+
+/// The options that light a scene from all around.
+#[derive(Args)]
+struct EnvironmentArguments {
+    /// Light the scene from all around by a picture in longitude and latitude, a Radiance HDR or an
+    /// EXR file. Its top is +y; its middle is seen towards -z.
+    #[arg(long, value_name = "FILE")]
+    environment: Option<PathBuf>,
+    /// Turn the environment about +y, counter-clockwise as seen from above.
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        requires = "environment",
+        value_parser = parse_rotation
+    )]
+    environment_rotation: f32,
+    /// Make the environment so many times as bright.
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        default_value_t = 1.0,
+        allow_negative_numbers = true,
+        requires = "environment",
+        value_parser = parse_strength
+    )]
+    environment_strength: f32,
+}
+
+impl EnvironmentArguments {
+    /// Gives the scene the environment that was asked for.
+    fn light(&self, scene: &mut Scene, options: LoadOptions) -> Result<(), SceneError> {
+        if let Some(path) = &self.environment {
+            let (environment, warnings) = options.load_environment(path)?;
+            scene.set_environment(Environment {
+                rotation: self.environment_rotation,
+                strength: self.environment_strength,
+                ..environment
+            });
+            scene.warnings.extend(warnings);
+        }
+        Ok(())
+    }
 }
 
 impl LoadArguments {
@@ -22,11 +69,12 @@ impl LoadArguments {
     pub fn load_scene(&self, name: &Path, quiet: bool) -> Result<Scene, SceneError> {
         let options = LoadOptions { max_memory: (self.max_memory * GIB) as u64 };
         let waiting = Waiting::start(quiet, format!("loading {}", name.display()));
-        let scene = match name.to_str() {
+        let mut scene = match name.to_str() {
             Some("-") => options.read(&mut std::io::stdin().lock(), "<standard input>")?,
             Some(text) if is_name(text, name) => options.load_named(text)?,
             _ => options.load(name)?,
         };
+        self.environment.light(&mut scene, options)?;
         drop(waiting);
         for warning in &scene.warnings {
             say(&format!("warning: {warning}"));
@@ -47,6 +95,20 @@ const GIB: f64 = (1 << 30) as f64;
 fn is_name(text: &str, path: &Path) -> bool {
     let may_be_name = !text.contains(['/', '\\', '.']);
     may_be_name && (shipped().iter().any(|scene| scene.name == text) || !path.exists())
+}
+
+fn parse_rotation(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(degrees) if degrees.abs() <= 1e5 => Ok(degrees),
+        _ => Err(format!("'{text}' is not an angle in degrees, from -100000 to 100000")),
+    }
+}
+
+fn parse_strength(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(factor) if (0.0..=1e6).contains(&factor) => Ok(factor),
+        _ => Err(format!("'{text}' is not a factor, from 0 to 1000000")),
+    }
 }
 
 fn parse_memory(text: &str) -> Result<f64, String> {

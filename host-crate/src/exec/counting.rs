@@ -34,6 +34,10 @@ impl<E: Executor> Executor for Counting<'_, E> {
         self.inner.name()
     }
 
+    fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
+        self.inner.prepare(abilities)
+    }
+
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError> {
         let buffer = self.inner.allocate(label, bytes)?;
         self.bytes.fetch_add(bytes, Ordering::Relaxed);

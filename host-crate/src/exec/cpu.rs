@@ -32,6 +32,10 @@ impl Executor for CpuExecutor {
         Limits { buffer_bytes: isize::MAX as u64, alignment: 16 }
     }
 
+    fn prepare(&self, _: u32) -> Result<(), ExecError> {
+        Ok(())
+    }
+
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<CpuBuffer, ExecError> {
         let len = bytes.div_ceil(size_of::<u128>() as u64) as usize;
         // Zeroed by the system, page by page when it is first used: what a small picture does not
@@ -92,6 +96,10 @@ fn run_one(launch: &Launch<'_, CpuBuffer>) -> Duration {
             }
         })
         .collect();
-    (launch.kernel.native)(NativeArguments { parameters: &launch.parameters, views });
+    (launch.kernel.native)(NativeArguments {
+        parameters: &launch.parameters,
+        views,
+        abilities: launch.abilities,
+    });
     start.elapsed()
 }

@@ -104,6 +104,14 @@ impl Executor for Device {
         }
     }
 
+    fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
+        match self {
+            Self::Cpu(cpu) => cpu.prepare(abilities),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.prepare(abilities),
+        }
+    }
+
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<DeviceBuffer, ExecError> {
         match self {
             Self::Cpu(cpu) => cpu.allocate(label, bytes).map(DeviceBuffer::Cpu),

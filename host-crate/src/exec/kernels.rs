@@ -4,8 +4,10 @@ use super::native::{NativeArguments, NativeBinding};
 use super::{Launch, SceneBuffers, View};
 use bytemuck::Pod;
 use rayon::prelude::*;
+use raystream_shaders::levels::Level;
 use raystream_shaders::memory::access::{Atomics, Scatter};
 use raystream_shaders::parallel::prefix::Lane;
+use raystream_shaders::scene::abilities::{self, Abilities, Fixed};
 use raystream_shaders::scene::{SceneView, TracingParams};
 use std::sync::atomic::AtomicU32;
 
@@ -21,7 +23,14 @@ pub struct Kernel {
     /// What it binds; the index is the binding's number in descriptor set 0.
     pub bindings: &'static [Binding],
     /// Runs all its threads on the CPU.
-    pub(super) native: fn(NativeArguments<'_>),
+    pub(super) native: fn(NativeArguments<'_, u32>),
+}
+
+impl Kernel {
+    /// Whether it works on a scene, so that it is compiled for what that uses.
+    pub fn has_scene(&self) -> bool {
+        self.bindings.iter().any(|binding| binding.name == SCENE_NAMES[0])
+    }
 }
 
 /// One binding of a kernel.
@@ -77,7 +86,7 @@ macro_rules! kernels {
                 $(views.push($written.raw());)*
                 $(views.push($scattered.raw());)*
                 $(views.push($atomic.raw());)*
-                Launch::new(&table::$name, $parameters, views)
+                Launch::new(&table::$name, $parameters, views, 0 $(| $scene.abilities())?)
             }
         )*
 
@@ -107,21 +116,25 @@ macro_rules! kernels {
                         BINDINGS
                     },
                     native: {
-                        fn native(arguments: NativeArguments<'_>) {
+                        fn native<L: Level>(arguments: NativeArguments<'_, L>) {
                             let $parameters: $Parameters = arguments.parameters();
                             let mut views = arguments.views.into_iter();
-                            $(let $scene = scene_view(&$parameters, &mut views);)?
+                            $(
+                                let $scene =
+                                    scene_view(arguments.abilities, &$parameters, &mut views);
+                            )?
                             $(let $read: &[$Read] = slice(views.next());)*
                             $(let $written: &mut [$Written] = slice_mut(views.next());)*
                             $(let $scattered = Scatter::<$Scattered>::new(atomics(views.next()));)*
                             $(let $atomic = Atomics::new(atomics(views.next()));)*
                             native_loop! {
-                                [$($phases, $Memory)?] [$workgroup] $function, $parameters,
+                                [$($phases, $Memory)?] [$workgroup]
+                                (function!([$($scene)?] $name $function)), $parameters,
                                 ($(&$scene,)? $($read,)*)
                                 ($($written)*) ($($scattered)*) ($($atomic)*)
                             }
                         }
-                        native
+                        by_level!([$($scene)?] native)
                     },
                 };
             )*
@@ -142,13 +155,40 @@ macro_rules! scene_binding {
 /// What the bindings of a scene are called.
 const SCENE_NAMES: [&str; 3] = SceneBuffers::<()>::NAMES;
 
+/// Picks the lowest level that has the abilities that a launch's scene uses.
+macro_rules! by_level {
+    ([] $native:ident) => {
+        |arguments| $native(arguments.with_abilities(Fixed::<{ abilities::BASIC }>))
+    };
+    ([$scene:ident] $native:ident) => {
+        |arguments| {
+            if arguments.abilities & !abilities::BASIC == 0 {
+                $native(arguments.with_abilities(Fixed::<{ abilities::BASIC }>));
+            } else {
+                $native(arguments.with_abilities(Fixed::<{ abilities::ALL }>));
+            }
+        }
+    };
+}
+
+/// The function of a kernel that runs once for each lane.
+macro_rules! function {
+    ([] $name:ident $function:path) => {
+        $function
+    };
+    ([$scene:ident] $name:ident $function:path) => {
+        L::$name
+    };
+}
+
 /// The view of a scene in the next bindings.
-fn scene_view<'a>(
+fn scene_view<'a, F: Abilities>(
+    abilities: F,
     parameters: &impl TracingParams,
     views: &mut impl Iterator<Item = NativeBinding<'a>>,
-) -> SceneView<'a> {
+) -> SceneView<'a, F> {
     let (geometry, surfaces) = (slice(views.next()), slice(views.next()));
-    SceneView::new(&parameters.scene(), geometry, surfaces, slice(views.next()))
+    SceneView::new(abilities, &parameters.scene(), geometry, surfaces, slice(views.next()))
 }
 
 fn slice<T: Pod>(view: Option<NativeBinding<'_>>) -> &[T] {
@@ -166,7 +206,7 @@ fn atomics(view: Option<NativeBinding<'_>>) -> &[AtomicU32] {
 /// Calls the function of a kernel for all lanes.
 macro_rules! native_loop {
     (
-        [] [$workgroup:tt] $function:path, $parameters:ident,
+        [] [$workgroup:tt] $function:expr, $parameters:ident,
         ($($passed:expr,)*) ($($written:ident)*) ($($scattered:ident)*) ($($atomic:ident)*)
     ) => {
         let threads = $parameters.threads;
@@ -185,7 +225,7 @@ macro_rules! native_loop {
         );
     };
     (
-        [$phases:expr, $Memory:ty] [$workgroup:tt] $function:path, $parameters:ident,
+        [$phases:expr, $Memory:ty] [$workgroup:tt] $function:expr, $parameters:ident,
         ($($passed:expr,)*) () ($($scattered:ident)*) ($($atomic:ident)*)
     ) => {
         (0..$parameters.threads.div_ceil($workgroup)).into_par_iter().for_each(|group| {

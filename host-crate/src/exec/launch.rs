@@ -42,20 +42,22 @@ pub struct Launch<'a, B> {
     pub(super) kernel: &'static Kernel,
     pub(super) parameters: Vec<u8>,
     pub(super) views: Vec<RawView<'a, B>>,
+    pub(super) abilities: u32,
 }
 
 impl<'a, B> Launch<'a, B> {
     /// The run of `kernel` with its `parameters` and, in the order of the table, its other
-    /// bindings.
+    /// bindings, on a scene that uses `abilities`; 0 without one.
     ///
     /// Every parameter block begins with the number of threads, as u32.
     pub(super) fn new(
         kernel: &'static Kernel,
         parameters: &impl bytemuck::NoUninit,
         views: Vec<RawView<'a, B>>,
+        abilities: u32,
     ) -> Self {
         debug_assert_eq!(views.len() + 1, kernel.bindings.len(), "bindings of {}", kernel.name);
-        Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views }
+        Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views, abilities }
     }
 
     /// The same run, with each buffer replaced by what `buffer` makes of it.
@@ -65,7 +67,12 @@ impl<'a, B> Launch<'a, B> {
             first_byte: view.first_byte,
             bytes: view.bytes,
         });
-        Launch { kernel: self.kernel, parameters: self.parameters.clone(), views: views.collect() }
+        Launch {
+            kernel: self.kernel,
+            parameters: self.parameters.clone(),
+            views: views.collect(),
+            abilities: self.abilities,
+        }
     }
 
     /// The kernel.

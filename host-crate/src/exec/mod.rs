@@ -51,6 +51,10 @@ pub trait Executor {
         Ok(())
     }
 
+    /// Makes kernels ready for scenes with these
+    /// [`abilities`](raystream_shaders::scene::abilities), so that no launch waits for a compiler.
+    fn prepare(&self, abilities: u32) -> Result<(), ExecError>;
+
     /// A new buffer of `bytes` (at least 1), zeroed. `label` names it in errors.
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError>;
 
@@ -91,6 +95,10 @@ impl<E: Executor> Executor for &E {
 
     fn check_size(&self, label: &'static str, bytes: u64) -> Result<(), ExecError> {
         (**self).check_size(label, bytes)
+    }
+
+    fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
+        (**self).prepare(abilities)
     }
 
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError> {

@@ -4,14 +4,21 @@ use bytemuck::{AnyBitPattern, Pod};
 use std::sync::atomic::AtomicU32;
 
 /// The bindings of one launch on the CPU.
-pub struct NativeArguments<'a> {
+pub struct NativeArguments<'a, F> {
     /// The parameter block.
     pub parameters: &'a [u8],
     /// The other bindings, in the order of the table.
     pub views: Vec<NativeBinding<'a>>,
+    /// What the scene uses: the word, or what is compiled for it.
+    pub abilities: F,
 }
 
-impl NativeArguments<'_> {
+impl<'a, F> NativeArguments<'a, F> {
+    /// These, for code that is compiled for `abilities`.
+    pub fn with_abilities<G>(self, abilities: G) -> NativeArguments<'a, G> {
+        NativeArguments { parameters: self.parameters, views: self.views, abilities }
+    }
+
     /// The parameter block as the struct that it holds.
     pub fn parameters<T: AnyBitPattern>(&self) -> T {
         bytemuck::pod_read_unaligned(self.parameters)

@@ -10,24 +10,34 @@ pub struct SceneBuffers<B> {
     geometry: Array<B, UVec4>,
     surfaces: Array<B, UVec4>,
     texels: Array<B, u32>,
+    abilities: u32,
 }
 
 impl<B> SceneBuffers<B> {
     /// The names of the bindings.
     pub const NAMES: [&'static str; 3] = ["geometry", "surfaces", "texels"];
 
-    /// Copies the buffers to the device.
+    /// Copies the buffers to the device, and has it make its kernels ready for a scene of these
+    /// [`abilities`](raystream_shaders::scene::abilities).
     pub fn new<E: Executor<Buffer = B>>(
         executor: &E,
+        abilities: u32,
         geometry: &[UVec4],
         surfaces: &[UVec4],
         texels: &[u32],
     ) -> Result<Self, ExecError> {
+        executor.prepare(abilities)?;
         Ok(Self {
+            abilities,
             geometry: Array::from_slice(executor, "the scene's geometry", geometry)?,
             surfaces: Array::from_slice(executor, "the scene's surfaces", surfaces)?,
             texels: Array::from_slice(executor, "the scene's textures", texels)?,
         })
+    }
+
+    /// What the scene uses.
+    pub fn abilities(&self) -> u32 {
+        self.abilities
     }
 
     /// All of them, for a kernel.

@@ -39,6 +39,13 @@ pub use tone::{Display, ToneMap};
 use crate::film::Film;
 use std::path::Path;
 
+/// Reads an EXR file that is in memory and called `path` in errors, whatever its name ends in; as
+/// [`read_picture`].
+#[cfg(feature = "exr")]
+pub(crate) fn decode_exr(path: &Path, file: &[u8]) -> Result<Picture, ImageError> {
+    openexr::decode_color(path, file)
+}
+
 /// Writes a render: to `.exr` every layer ([`LayeredImage::from_film`]), to `.png` its colour.
 ///
 /// # Errors

@@ -12,7 +12,13 @@ pub(super) const MAX_COORDINATE: f64 = 1e9;
 /// has a thousandth left of them.
 pub(super) const MAX_PLACE: f64 = 1e12;
 /// Radiances go up to this: beyond, sums of squares over a picture overflow an f32.
-const MAX_RADIANCE: f64 = 1e12;
+pub(super) const MAX_RADIANCE: f64 = 1e12;
+/// Factors of shares go up to this: what is bright by then is white.
+const MAX_FACTOR: f64 = 1e4;
+/// Environments are turned by at most so many degrees: beyond, an f32 has few digits of one.
+const MAX_ROTATION: f64 = 1e5;
+/// Environments are made so many times as bright, at most.
+const MAX_STRENGTH: f64 = 1e6;
 /// Pictures have at most this many pixels a side, so that all of them are numbered by a u32.
 const MAX_FILM_SIDE: u32 = 16_384;
 /// Indices of refraction lie between the inverse of this and this.
@@ -35,6 +41,30 @@ pub(super) fn place(values: &[f64]) -> Result<DVec3, String> {
 /// A share of light: linear Rec.709, each component in [0, 1].
 pub(super) fn reflectance(values: &[f64]) -> Result<Vec3, String> {
     triple(values, 0.0..=1.0).map(DVec3::as_vec3)
+}
+
+/// A share of something, in [0, 1].
+pub(super) fn share(value: f64) -> Result<f32, String> {
+    let allowed = 0.0..=1.0;
+    if allowed.contains(&value) {
+        Ok(value as f32)
+    } else {
+        Err(format!("must be from 0 to 1, is {value}"))
+    }
+}
+
+/// What a share of light is multiplied by: linear Rec.709, no component negative.
+pub(super) fn factor(values: &[f64]) -> Result<Vec3, String> {
+    triple(values, 0.0..=MAX_FACTOR).map(DVec3::as_vec3)
+}
+
+/// What slopes are multiplied by.
+pub(super) fn scale(value: f64) -> Result<f32, String> {
+    if value.abs() <= MAX_FACTOR {
+        Ok(value as f32)
+    } else {
+        Err(format!("must be from {} to {MAX_FACTOR}, is {value}", -MAX_FACTOR))
+    }
 }
 
 /// Emitted light: linear Rec.709, no component negative.
@@ -61,6 +91,25 @@ pub(super) fn angle_of_view(value: f64) -> Result<f32, String> {
         Ok(rounded)
     } else {
         Err(format!("must be an angle in degrees, above 0 and below 180, is {value}"))
+    }
+}
+
+/// A rotation in degrees.
+pub(super) fn rotation(value: f64) -> Result<f32, String> {
+    within(value, -MAX_ROTATION..=MAX_ROTATION)
+}
+
+/// What the radiances of an environment are multiplied by.
+pub(super) fn strength(value: f64) -> Result<f32, String> {
+    within(value, 0.0..=MAX_STRENGTH)
+}
+
+/// A number within `allowed`.
+fn within(value: f64, allowed: RangeInclusive<f64>) -> Result<f32, String> {
+    if allowed.contains(&value) {
+        Ok(value as f32)
+    } else {
+        Err(format!("must be from {} to {}, is {value}", allowed.start(), allowed.end()))
     }
 }
 

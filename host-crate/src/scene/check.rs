@@ -3,7 +3,7 @@
 use super::bounds::{self, MAX_COORDINATE, MAX_TEXELS, MAX_TEXTURE_SIDE};
 use super::description::Scene;
 use super::film::FilmSize;
-use super::material::{Material, Reflectance};
+use super::material::{Material, Principled, Reflectance};
 use super::mesh::Mesh;
 use super::texture::Texture;
 use glam::Vec3;
@@ -36,6 +36,9 @@ impl Scene {
         bounds::depth(self.limits.max_depth.into()).map_err(at("limits.max_depth"))?;
         bounds::depth(self.limits.roulette_depth.into()).map_err(at("limits.roulette_depth"))?;
         radiance(self.background).map_err(at("background"))?;
+        if let Some(environment) = &self.environment {
+            environment.check().map_err(at("environment"))?;
+        }
         self.check_textures()?;
         for (index, material) in self.materials.iter().enumerate() {
             self.check_material(material).map_err(at(&format!("materials[{index}]")))?;
@@ -50,7 +53,8 @@ impl Scene {
     }
 
     fn check_textures(&self) -> Result<(), InvalidScene> {
-        let mut texels = 0;
+        // They share a buffer.
+        let mut texels = self.environment.as_ref().map_or(0, |e| e.texels.len());
         for (index, texture) in self.textures.iter().enumerate() {
             check_texture(texture).map_err(at(&format!("textures[{index}]")))?;
             texels += texture.texels.len();
@@ -83,7 +87,35 @@ impl Scene {
                 radiance(emitted).map_err(|what| format!("radiance {what}"))?;
                 share("reflectance", reflectance)
             }
+            Material::Principled(ref principled) => self.check_principled(principled),
         }
+    }
+
+    fn check_principled(&self, material: &Principled) -> Result<(), String> {
+        let named = |name: &str, checked: Result<(), String>| {
+            checked.map_err(|what| format!("{name} {what}"))
+        };
+        for texture in material.maps.textures() {
+            in_range("texture", texture.0, self.textures.len(), "textures")?;
+        }
+        for map in [material.maps.roughness, material.maps.metallic].into_iter().flatten() {
+            in_range("channel", map.channel, 4, "channels")?;
+        }
+        if let Some(map) = material.maps.normal {
+            named("normal.scale", bounds::scale(map.scale.into()).map(drop))?;
+        }
+        named("base_colour", bounds::reflectance(&values(material.base_colour)).map(drop))?;
+        let shares = [
+            ("metallic", material.metallic),
+            ("roughness", material.roughness),
+            ("transmission", material.transmission),
+        ];
+        for (name, value) in shares {
+            named(name, bounds::share(value.into()).map(drop))?;
+        }
+        named("ior", bounds::ior(material.ior.into()).map(drop))?;
+        named("specular", bounds::factor(&values(material.specular)).map(drop))?;
+        named("emission", radiance(material.emission).map(drop))
     }
 
     fn check_mesh(&self, mesh: &Mesh) -> Result<(), InvalidScene> {
@@ -104,7 +136,7 @@ impl Scene {
         check_normals(mesh)?;
         check_texture_coordinates(mesh)?;
         let material = &self.materials[mesh.material.0 as usize];
-        if material.texture().is_some() && mesh.texture_coordinates.is_none() {
+        if material.textures().next().is_some() && mesh.texture_coordinates.is_none() {
             let what = "are needed, since the material has a texture".to_owned();
             return Err(at("texture_coordinates")(what));
         }
@@ -205,6 +237,7 @@ fn check_texture_coordinates(mesh: &Mesh) -> Result<(), InvalidScene> {
 mod tests {
     use super::*;
     use crate::scene::camera::Camera;
+    use crate::scene::environment::Environment;
     use crate::scene::light::QuadLight;
     use crate::scene::material::MaterialId;
     use crate::scene::texture::TextureId;
@@ -230,6 +263,7 @@ mod tests {
         let mut limits = scene();
         limits.add_material(Material::glass(0.01));
         limits.add_material(Material::emissive(Vec3::splat(1e12)));
+        limits.add_material(Material::Principled(Principled::glass(100.0, 1.0)));
         assert_eq!(limits.check(), Ok(()), "limits survive being rounded to an f32");
     }
 
@@ -238,7 +272,12 @@ mod tests {
     fn what_is_wrong_is_named() {
         let texture = |width, texels| Texture { width, height: 1, texels: vec![[0; 4]; texels] };
         let nan = Vec3::new(0.0, f32::NAN, 0.0);
-        let cases: [(&str, &dyn Fn(&mut Scene)); 21] = [
+        let environment = |texel| Some(Environment::new(1, 1, vec![texel]));
+        let bright = Environment { strength: 2e6, ..Environment::new(1, 1, vec![Vec3::ONE]) };
+        let cases: [(&str, &dyn Fn(&mut Scene)); 27] = [
+            ("environment", &|s| s.environment = environment(nan)),
+            ("environment", &|s| s.environment = Some(Environment::new(2, 1, vec![Vec3::ONE]))),
+            ("environment", &|s| s.environment = Some(bright.clone())),
             ("film", &|s| s.film.width = 0),
             ("camera", &|s| s.camera.target = s.camera.origin),
             ("camera", &|s| s.camera.up = Vec3::ZERO),
@@ -251,6 +290,15 @@ mod tests {
             ("materials[0]", &|s| s.materials[0] = Material::mirror(Vec3::splat(1.1))),
             ("materials[0]", &|s| s.materials[0] = Material::glass(0.0)),
             ("materials[0]", &|s| s.materials[0] = Material::emissive(nan)),
+            ("materials[0]", &|s| {
+                s.materials[0] = Material::Principled(Principled::paint(Vec3::ONE, 1.1));
+            }),
+            ("materials[0]", &|s| {
+                s.materials[0] = Material::Principled(Principled::metal(nan, 0.1));
+            }),
+            ("materials[0]", &|s| {
+                s.materials[0] = Material::Principled(Principled::glass(0.0, 0.1));
+            }),
             ("meshes[0].material", &|s| s.meshes[0].material = MaterialId(1)),
             ("meshes[0].positions[1]", &|s| s.meshes[0].positions[1] = nan),
             ("meshes[0].triangles[0]", &|s| s.meshes[0].triangles[0][2] = 3),

@@ -1,6 +1,7 @@
 //! A scene as plain data.
 
 use super::camera::Camera;
+use super::environment::Environment;
 use super::film::FilmSize;
 use super::light::QuadLight;
 use super::limits::PathLimits;
@@ -8,6 +9,10 @@ use super::material::{Material, MaterialId};
 use super::mesh::Mesh;
 use super::texture::{Texture, TextureId};
 use glam::Vec3;
+
+/// How warnings end of scenes in which nothing emits light.
+pub(super) const DARK: &str = "nothing emits light, the picture will be black; add `quads`, an \
+    emissive material or an environment.";
 
 /// A scene: plain data that loaders end at, and that
 /// [`PreparedScene`](crate::render::PreparedScene) brings into the layout of a device.
@@ -25,6 +30,8 @@ pub struct Scene {
     pub limits: PathLimits,
     /// Radiance from where there is no surface, linear Rec.709, each component in [0, 1e12].
     pub background: Vec3,
+    /// A picture of light from all around, which comes on top of the background.
+    pub environment: Option<Environment>,
     /// The surfaces.
     pub meshes: Vec<Mesh>,
     /// The lamps that are no meshes.
@@ -49,6 +56,7 @@ impl Scene {
             camera,
             limits: PathLimits::default(),
             background: Vec3::ZERO,
+            environment: None,
             meshes: Vec::new(),
             quad_lights: Vec::new(),
             materials: Vec::new(),
@@ -80,13 +88,23 @@ impl Scene {
         self.quad_lights.push(light);
     }
 
+    /// Has an environment light it, in place of the one that there may be. If that emits, warnings
+    /// that nothing does are taken back.
+    pub fn set_environment(&mut self, environment: Environment) {
+        if environment.emits() {
+            self.warnings.retain(|warning| !warning.ends_with(DARK));
+        }
+        self.environment = Some(environment);
+    }
+
     /// How many triangles it has, two for each quad light included.
     pub fn triangle_count(&self) -> usize {
         let of_meshes: usize = self.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
         of_meshes + 2 * self.quad_lights.len()
     }
 
-    /// Whether anything emits light, the background included. Materials that are not there do not.
+    /// Whether anything emits light, the background and the environment included. Materials that
+    /// are not there do not.
     pub fn emits(&self) -> bool {
         let radiance = |id: MaterialId| {
             self.materials.get(id.0 as usize).map_or(Vec3::ZERO, Material::radiance)
@@ -95,5 +113,6 @@ impl Scene {
         let surfaces = meshes.map(|mesh| radiance(mesh.material));
         let quads = self.quad_lights.iter().map(|light| light.radiance);
         surfaces.chain(quads).chain([self.background]).any(|light| light.max_element() > 0.0)
+            || self.environment.as_ref().is_some_and(Environment::emits)
     }
 }

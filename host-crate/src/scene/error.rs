@@ -160,6 +160,20 @@ pub enum SceneError {
         /// The picture file.
         path: PathBuf,
     },
+    /// An environment is of no use.
+    #[error("{}: not a usable environment: {what}", .path.display())]
+    Environment {
+        /// The picture file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// A picture that is read as other pictures are cannot be.
+    #[error("{source}")]
+    Picture {
+        /// Which, and why.
+        source: Box<crate::image::ImageError>,
+    },
     /// All textures together are too large.
     #[error("{}: with this texture the scene has more than {limit} texels; use smaller textures", .path.display())]
     TooManyTexels {

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 pub(super) enum MaterialRule {
     /// Not there: its triangles are left out.
     Null,
-    /// Diffuse, with a picture as its reflectance.
+    /// With a picture as its colour.
     Textured(TexturedRule),
     /// All that it is.
     Plain(Material),
@@ -19,6 +19,8 @@ pub(super) enum MaterialRule {
 /// What a file says of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TexturedRule {
+    /// What the material is but for its colour.
+    pub material: Material,
     /// The picture file.
     pub path: PathBuf,
     /// Where it lies on the surface.

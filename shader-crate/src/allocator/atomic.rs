@@ -140,8 +140,9 @@ pub fn fill_reserved(
 pub const STRETCH: u32 = 64;
 
 /// Kernel: adds the contributions of stretch `lane` of the stream to the pixels of the window.
-/// `film` holds [`FilmPixel`]s; the stream ends where the slots do. What additions to the film round
-/// off is lost, as it is in the method that this allocator measures: no two words change at once.
+/// `film` holds [`FilmPixel`]s; the stream ends where the slots do. What additions to the film
+/// round off is lost, as it is in the method that this allocator measures: no two words change at
+/// once.
 pub fn accumulate_atomic(
     lane: u32,
     window: &RunWindow,

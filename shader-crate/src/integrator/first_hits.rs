@@ -8,6 +8,7 @@ use crate::film::stream::Slot;
 use crate::glam::Vec3;
 use crate::integrator::params::PathParams;
 use crate::memory::device_struct;
+use crate::scene::abilities::Abilities;
 use crate::scene::surface::Surface;
 use crate::scene::{SceneParams, SceneView, TracingParams};
 
@@ -33,7 +34,7 @@ device_struct! {
 }
 
 device_struct! {
-    /// The parameters of a window of features. 160 bytes.
+    /// The parameters of a window of features. 176 bytes.
     pub struct FeatureParams {
         /// Pixels in the window.
         pub threads: u32,
@@ -59,7 +60,7 @@ impl TracingParams for FeatureParams {
 pub fn first_hits(
     lane: u32,
     params: &FeatureParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     features: &mut FeaturePixel,
 ) {
     let mut sums = *features;

@@ -6,12 +6,13 @@ use crate::integrator::params::PathParams;
 use crate::integrator::path::Path;
 use crate::memory::access::at;
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 
 /// Kernel: traces the path of slot `lane` to its end.
 pub fn trace_paths(
     lane: u32,
     params: &PathParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     slots: &[Slot],
     contribution: &mut Contribution,
 ) {
@@ -19,7 +20,11 @@ pub fn trace_paths(
 }
 
 /// The contribution of one slot.
-pub fn trace_slot(params: &PathParams, scene: &SceneView<'_>, slot: Slot) -> Contribution {
+pub fn trace_slot(
+    params: &PathParams,
+    scene: &SceneView<'_, impl Abilities>,
+    slot: Slot,
+) -> Contribution {
     if slot.rank == NO_PIXEL {
         return Contribution::NOTHING;
     }

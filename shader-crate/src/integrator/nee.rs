@@ -3,6 +3,7 @@
 //! Whoever asks weighs it against the other techniques that could have found the same light.
 
 use crate::glam::Vec3;
+use crate::scene::abilities::Abilities;
 use crate::scene::light::{LightSample, LightView};
 use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
@@ -21,15 +22,15 @@ pub struct NextEvent {
 }
 
 impl NextEvent {
-    /// Samples a light for `surface`, by 32 random bits for the `choice` of the light and a uniform
-    /// `point` of the unit square. The path arrived along `incoming`.
+    /// Samples a light for `surface`, by 32 random bits for the `choice` of the light and 64 for
+    /// the `point` on it. The path arrived along `incoming`.
     #[inline(always)]
     pub fn sample(
-        lights: &LightView<'_>,
-        surface: &Surface,
+        lights: &LightView<'_, impl Abilities>,
+        surface: &Surface<'_, impl Abilities>,
         incoming: Vec3,
         choice: u32,
-        point: [f32; 2],
+        point: [u32; 2],
     ) -> Self {
         let light = lights.sample(&surface.point, choice, point);
         let bsdf = surface.bsdf.eval(incoming, light.direction);
@@ -49,7 +50,7 @@ impl NextEvent {
     /// The segment whose visibility is to be tested. Both ends leave their surfaces, so that
     /// neither occludes itself.
     #[inline(always)]
-    pub fn segment(&self, surface: &Surface) -> Ray {
+    pub fn segment(&self, surface: &Surface<'_, impl Abilities>) -> Ray {
         let from = surface.point.offset_towards(self.light.direction);
         Ray::segment(from, self.light.end - from, 1.0)
     }

@@ -25,7 +25,7 @@ pub const BSDF_SAMPLING_ALONE: u32 = 2;
 pub const DIM: f32 = 0.25;
 
 device_struct! {
-    /// What is the same for all paths of a render. 144 bytes.
+    /// What is the same for all paths of a render. 160 bytes.
     pub struct PathParams {
         /// Slots to trace.
         pub threads: u32,

@@ -13,6 +13,7 @@ use crate::integrator::params::{BSDF_SAMPLING_ALONE, LIGHT_SAMPLING_ALONE, PathP
 use crate::math::power_heuristic;
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, unit_float};
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 use crate::scene::light::LightView;
 use crate::scene::ray::{Hit, Ray};
 use crate::scene::surface::Surface;
@@ -88,7 +89,7 @@ impl Path {
     pub fn extend(
         &mut self,
         params: &PathParams,
-        scene: &SceneView<'_>,
+        scene: &SceneView<'_, impl Abilities>,
         numbers: &RandomNumbers,
     ) -> bool {
         let hit = scene.bvh.closest_hit(&self.ray);
@@ -106,7 +107,7 @@ impl Path {
     pub fn shade(
         &mut self,
         params: &PathParams,
-        scene: &SceneView<'_>,
+        scene: &SceneView<'_, impl Abilities>,
         numbers: &RandomNumbers,
         hit: &Hit,
     ) -> Bounce {
@@ -115,11 +116,19 @@ impl Path {
         if !hit.is_some() {
             // No light sample aims at the background, so this technique has it alone.
             self.radiance += self.throughput * scene.background;
+            if scene.lights.has_environment() {
+                let environment = &scene.lights.environment;
+                let weight = self.found_weight(params, environment.pdf(self.ray.direction));
+                let radiance = environment.radiance(self.ray.direction);
+                self.radiance += self.throughput * radiance * weight;
+            }
             return Bounce { light, goes_on: false };
         }
         let surface = Surface::at(&scene.surfaces, &self.ray, hit);
         if surface.emits() {
-            let weight = self.emission_weight(params, &scene.lights, &surface, hit.t);
+            let cosine = self.ray.direction.dot(surface.point.normal).abs();
+            let light_pdf = scene.lights.pdf_of_hit(surface.emission, hit.t, cosine);
+            let weight = self.found_weight(params, light_pdf);
             self.radiance += self.throughput * surface.emission * weight;
         }
         if self.depth >= params.max_depth {
@@ -131,7 +140,7 @@ impl Path {
             && params.techniques != BSDF_SAMPLING_ALONE
             && !scene.lights.is_empty()
         {
-            let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
+            let point = numbers.bits(of_vertex(vertex, LIGHT_POINT));
             light = self.sample_light(params, &scene.lights, &surface, choice, point);
             self.rays += light.count;
         }
@@ -147,32 +156,27 @@ impl Path {
         Bounce { light, goes_on: true }
     }
 
-    /// Weight of emission that the last direction ran into, `distance` away.
-    fn emission_weight(
-        &self,
-        params: &PathParams,
-        lights: &LightView<'_>,
-        surface: &Surface,
-        distance: f32,
-    ) -> f32 {
+    /// Weight of light that the last direction ran into, and that light sampling would have found
+    /// with the density `light_pdf` per solid angle.
+    #[inline(always)]
+    fn found_weight(&self, params: &PathParams, light_pdf: f32) -> f32 {
         if self.pdf == 0.0 || params.techniques == BSDF_SAMPLING_ALONE {
             return 1.0;
         }
         if params.techniques == LIGHT_SAMPLING_ALONE {
             return 0.0;
         }
-        let cosine = self.ray.direction.dot(surface.point.normal).abs();
-        power_heuristic(self.pdf, lights.pdf_of_hit(surface.emission, distance, cosine))
+        power_heuristic(self.pdf, light_pdf)
     }
 
     /// Next-event estimation: what a sampled point of a light adds to the path here.
     fn sample_light(
         &self,
         params: &PathParams,
-        lights: &LightView<'_>,
-        surface: &Surface,
+        lights: &LightView<'_, impl Abilities>,
+        surface: &Surface<'_, impl Abilities>,
         choice: u32,
-        point: [f32; 2],
+        point: [u32; 2],
     ) -> SampledLight {
         let event = NextEvent::sample(lights, surface, self.ray.direction, choice, point);
         if !event.is_some() {

@@ -12,6 +12,7 @@ use crate::integrator::params::PathParams;
 use crate::integrator::path::Path;
 use crate::memory::access::{Atomics, Scatter, at};
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 
 /// A thread takes no more slots once it has traced this many segments; then another one starts.
 /// Enough for a GPU's resident threads to share a long stream, and few enough for drivers that end
@@ -24,7 +25,7 @@ pub const SEGMENTS: u32 = 128;
 pub fn regenerate_paths(
     _: u32,
     params: &PathParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     slots: &[Slot],
     contributions: &mut Scatter<'_, Contribution>,
     taken: &mut Atomics<'_>,

@@ -2,19 +2,23 @@
 //!
 //! ```text
 //! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene
-//! surfaces: triangles, for shading | attributes | materials | lights
-//! texels:   see `texture`
+//! surfaces: triangles, for shading | attributes | materials | lights | albedos | layers
+//! texels:   textures, see `texture` | environment, see `environment`
 //! ```
 //!
-//! What traversal reads lies in `geometry`, what shading reads in `surfaces`. They are few because a
-//! kernel may bind few buffers (WebGPU promises eight), and two because each can then hold the
+//! Albedos and layers are there where the scene has principled materials.
+//!
+//! What traversal reads lies in `geometry`, what shading reads in `surfaces`. They are few because
+//! a kernel may bind few buffers (WebGPU promises eight), and two because each can then hold the
 //! triangles of twice as large a scene. A row of the [table of kernels](crate::kernels) that says
 //! `with scene` binds all three and hands its function a [`SceneView`]: another table of the scene
 //! is added here and nowhere else.
 
+pub mod abilities;
 pub mod bsdf;
 pub mod bvh;
 pub mod camera;
+pub mod environment;
 pub mod light;
 pub mod ray;
 pub mod surface;
@@ -23,21 +27,23 @@ pub mod triangle;
 
 use crate::glam::{UVec4, Vec3};
 use crate::memory::device_struct;
+use abilities::Abilities;
 use bvh::BvhView;
-use light::LightView;
+use environment::EnvironmentView;
+use light::{Light, LightView};
 use surface::SurfaceView;
 use texture::TextureView;
 
 device_struct! {
-    /// What is the same for all of a scene. 48 bytes.
+    /// What is the same for all of a scene. 64 bytes.
     pub struct SceneParams {
         /// Radiance of the light that comes from all around where there is no surface, linear
         /// Rec.709.
         pub background: Vec3,
-        /// Number of lights.
+        /// Number of lights, the environment included, which is the last.
         pub lights: u32,
-        /// Sum over the lights of area times importance, in squared world units; see
-        /// [`light::area_pdf`].
+        /// Sum over the lights of area times importance (of the environment: what stands for that),
+        /// in squared world units; see [`light::area_pdf`].
         pub total_importance: f32,
         /// How far rays start from surfaces, see [`ray::OFFSET_ROUNDINGS`].
         pub offset_roundings: f32,
@@ -53,6 +59,15 @@ device_struct! {
         pub brightest: f32,
         /// Row of `geometry` with the numbers of triangles in the scene.
         pub first_order: u32,
+        /// Word of `texels` where the environment's header begins, or
+        /// [`environment::NO_ENVIRONMENT`].
+        pub environment: u32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// Unused; zero.
+        pub pad2: u32,
     }
 }
 
@@ -64,21 +79,23 @@ pub trait TracingParams {
 
 /// Everything that a ray may hit, and what lights it.
 #[derive(Clone, Copy)]
-pub struct SceneView<'a> {
+pub struct SceneView<'a, A> {
     /// The geometry, to trace rays through.
     pub bvh: BvhView<'a>,
     /// What rays hit.
-    pub surfaces: SurfaceView<'a>,
+    pub surfaces: SurfaceView<'a, A>,
     /// What emits.
-    pub lights: LightView<'a>,
+    pub lights: LightView<'a, A>,
     /// Radiance where no ray hits anything, linear Rec.709.
     pub background: Vec3,
 }
 
-impl<'a> SceneView<'a> {
-    /// Wraps the buffers, which the [module](self) describes. The host answers for what they hold.
+impl<'a, A: Abilities> SceneView<'a, A> {
+    /// Wraps the buffers, which the [module](self) describes. The host answers for what they hold,
+    /// and for `abilities`: the scene uses no others.
     #[inline(always)]
     pub fn new(
+        abilities: A,
         params: &SceneParams,
         geometry: &'a [UVec4],
         surfaces: &'a [UVec4],
@@ -92,8 +109,10 @@ impl<'a> SceneView<'a> {
                 bvh,
                 first_attributes: params.first_attributes,
                 first_material: params.first_material,
+                first_albedos: params.first_light + params.lights * Light::ROWS,
                 offset_roundings: params.offset_roundings,
                 textures: TextureView::new(texels),
+                abilities,
             },
             lights: LightView {
                 rows: surfaces,
@@ -101,6 +120,8 @@ impl<'a> SceneView<'a> {
                 count: params.lights,
                 total_importance: params.total_importance,
                 offset_roundings: params.offset_roundings,
+                environment: EnvironmentView::new(texels, params.environment),
+                abilities,
             },
             background: params.background,
         }

@@ -1,8 +1,12 @@
 //! From a hit to what shading needs to know.
 
 use crate::glam::{UVec4, Vec2, Vec3};
+use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::memory::rows::{four_rows, three_rows, two_rows};
-use crate::scene::bsdf::{Bsdf, Material};
+use crate::scene::abilities::{Abilities, PRINCIPLED, TEXTURES};
+use crate::scene::bsdf::albedo::{self, AlbedoView};
+use crate::scene::bsdf::principled::Layers;
+use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
 use crate::scene::bvh::BvhView;
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
@@ -10,9 +14,12 @@ use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, Triangle};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
+/// Cosine under which a ray still sees a surface whose map of normals turns it away.
+const JUST_SEEN: f32 = 1e-3;
+
 /// The surfaces of a scene, for those who know what has been hit.
 #[derive(Clone, Copy)]
-pub struct SurfaceView<'a> {
+pub struct SurfaceView<'a, A> {
     /// The scene's buffer `surfaces`, see [`crate::scene`].
     pub rows: &'a [UVec4],
     /// The geometry, which has the triangles' planes.
@@ -21,13 +28,17 @@ pub struct SurfaceView<'a> {
     pub first_attributes: u32,
     /// Row of the first material.
     pub first_material: u32,
+    /// Row of the tables of principled materials; see [`crate::scene`].
+    pub first_albedos: u32,
     /// How far rays start from surfaces, see [`crate::scene::ray::OFFSET_ROUNDINGS`].
     pub offset_roundings: f32,
     /// The textures.
     pub textures: TextureView<'a>,
+    /// What the scene uses.
+    pub abilities: A,
 }
 
-impl SurfaceView<'_> {
+impl<'a, A: Abilities> SurfaceView<'a, A> {
     /// The triangle number `index`, in the order of the BVH's leaves.
     pub fn triangle(&self, index: u32) -> Triangle {
         Triangle::from_rows(two_rows(self.rows, index * Triangle::ROWS))
@@ -50,6 +61,16 @@ impl SurfaceView<'_> {
         ))
     }
 
+    /// What the principled material number `index` has beside [`Self::material`].
+    fn layers(&self, index: u32) -> Layers {
+        let first = self.first_albedos + albedo::ROWS + index * Layers::ROWS;
+        Layers::from_rows(three_rows(self.rows, first))
+    }
+
+    fn albedos(&self) -> AlbedoView<'a> {
+        AlbedoView { rows: self.rows, first: self.first_albedos }
+    }
+
     fn material(&self, index: u32) -> Material {
         Material::from_rows(three_rows(self.rows, self.first_material + index * Material::ROWS))
     }
@@ -57,24 +78,30 @@ impl SurfaceView<'_> {
 
 /// A point on a surface, seen along a ray.
 #[derive(Clone, Copy)]
-pub struct Surface {
+pub struct Surface<'a, F> {
     /// Where it is, and how a ray leaves it.
     pub point: SurfacePoint,
     /// Whether the ray came from the front of the triangle, the side that emits.
     pub from_front: bool,
     /// What the surface does with light.
-    pub bsdf: Bsdf,
+    pub bsdf: Bsdf<'a, F>,
     /// Radiance of the front, linear Rec.709.
     pub emission: Vec3,
 }
 
-impl Surface {
+impl<'a, F: Abilities> Surface<'a, F> {
     /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some).
-    pub fn at(surfaces: &SurfaceView<'_>, ray: &Ray, hit: &Hit) -> Self {
+    pub fn at(surfaces: &SurfaceView<'a, F>, ray: &Ray, hit: &Hit) -> Self {
         let triangle = surfaces.triangle(hit.triangle);
         let point = surfaces.point(&triangle, ray, hit);
         let geometric = point.normal;
         let mut material = surfaces.material(triangle.material);
+        let is_principled =
+            surfaces.abilities.has(PRINCIPLED) && material.kind.0 == MaterialKind::PRINCIPLED.0;
+        let mut layers = Layers::NONE;
+        if is_principled {
+            layers = surfaces.layers(triangle.material);
+        }
         let mut shading = geometric;
         if triangle.attributes != NO_ATTRIBUTES {
             let a = surfaces.attributes(triangle.attributes);
@@ -84,18 +111,34 @@ impl Surface {
             if length > 0.0 {
                 shading = normal / length.sqrt();
             }
-            if material.texture != NO_TEXTURE {
+            if surfaces.abilities.has(TEXTURES) {
                 let uv = Vec2::new(a.u0, a.v0) * w
                     + Vec2::new(a.u1, a.v1) * hit.u
                     + Vec2::new(a.u2, a.v2) * hit.v;
-                material.reflectance = surfaces.textures.sample(material.texture, uv.x, uv.y);
+                if material.texture != NO_TEXTURE {
+                    material.reflectance *= surfaces.textures.sample(material.texture, uv.x, uv.y);
+                }
+                if is_principled {
+                    layers = layers.textured(&surfaces.textures, uv);
+                    if layers.normal_map != NO_TEXTURE && a.tangent != NO_TANGENT {
+                        let slopes = layers.slopes(&surfaces.textures, uv);
+                        shading = bent(shading, slopes, a.tangent, ray.direction, geometric);
+                    }
+                }
             }
         }
         let from_outside = ray.direction.dot(shading) < 0.0;
+        let normal = if from_outside { shading } else { -shading };
         Self {
             point,
             from_front: ray.direction.dot(geometric) < 0.0,
-            bsdf: material.bsdf(if from_outside { shading } else { -shading }, from_outside),
+            bsdf: material.bsdf(
+                normal,
+                from_outside,
+                layers,
+                surfaces.albedos(),
+                surfaces.abilities,
+            ),
             emission: material.emission,
         }
     }
@@ -104,4 +147,27 @@ impl Surface {
     pub fn emits(&self) -> bool {
         self.from_front && self.emission.max_element() > 0.0
     }
+}
+
+/// The shading `normal` with a map's `slopes`: towards the tangent, towards the bitangent, and
+/// along the normal. The side from which a ray along `direction` sees it stays that of the
+/// triangle, whose normal is `geometric`: what would turn away from the ray is bent to where it is
+/// just seen.
+fn bent(normal: Vec3, slopes: Vec3, tangent: u32, direction: Vec3, geometric: Vec3) -> Vec3 {
+    let Tangent { direction: along, is_mirrored } = Tangent::unpack(tangent);
+    let along = along - normal * normal.dot(along);
+    let length = along.length_squared();
+    if length <= 0.0 {
+        return normal;
+    }
+    let along = along / length.sqrt();
+    let across = normal.cross(along);
+    let across = if is_mirrored { -across } else { across };
+    let mapped = (along * slopes.x + across * slopes.y + normal * slopes.z).normalize();
+    let (seen, side) = (mapped.dot(direction), geometric.dot(direction));
+    if seen * side > 0.0 {
+        return mapped;
+    }
+    let least = if side < 0.0 { -JUST_SEEN } else { JUST_SEEN };
+    (mapped + direction * (least - seen)).normalize()
 }

@@ -4,7 +4,7 @@
 //! sRGB codes (as bits of f32), then for each texture its width, its height and its texels, row by
 //! row from the top, 0xAABBGGRR. A texture is named by the index of its width.
 
-use crate::glam::Vec3;
+use crate::glam::{Vec3, Vec4};
 use crate::memory::access::at;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -29,19 +29,36 @@ impl<'a> TextureView<'a> {
     /// Linear Rec.709 reflectance of `texture` at `(u, v)`; `v = 0` is the bottom edge, texel
     /// centres are at half-integers.
     pub fn sample(&self, texture: u32, u: f32, v: f32) -> Vec3 {
+        let near = self.neighbours(texture, u, v);
+        let upper = self.texel(near.upper_left).lerp(self.texel(near.upper_right), near.across);
+        let lower = self.texel(near.lower_left).lerp(self.texel(near.lower_right), near.across);
+        upper.lerp(lower, near.down)
+    }
+
+    /// The four channels of `texture` at `(u, v)` as they are coded, 0 to 255 as 0 to 1.
+    pub fn codes(&self, texture: u32, u: f32, v: f32) -> Vec4 {
+        let near = self.neighbours(texture, u, v);
+        let upper = self.code(near.upper_left).lerp(self.code(near.upper_right), near.across);
+        let lower = self.code(near.lower_left).lerp(self.code(near.lower_right), near.across);
+        upper.lerp(lower, near.down)
+    }
+
+    fn neighbours(&self, texture: u32, u: f32, v: f32) -> Neighbours {
         let (width, height) = (at(self.words, texture), at(self.words, texture + 1));
         let x = (u - u.floor()) * width as f32 - 0.5;
         let y = (1.0 - (v - v.floor())) * height as f32 - 0.5;
         let (left, top) = (x.floor(), y.floor());
-        let (fx, fy) = (x - left, y - top);
         let (x0, x1) = (wrap(left, width), wrap(left + 1.0, width));
         let (y0, y1) = (wrap(top, height), wrap(top + 1.0, height));
         let first = texture + 2;
-        let upper =
-            self.texel(first + y0 * width + x0).lerp(self.texel(first + y0 * width + x1), fx);
-        let lower =
-            self.texel(first + y1 * width + x0).lerp(self.texel(first + y1 * width + x1), fx);
-        upper.lerp(lower, fy)
+        Neighbours {
+            upper_left: first + y0 * width + x0,
+            upper_right: first + y0 * width + x1,
+            lower_left: first + y1 * width + x0,
+            lower_right: first + y1 * width + x1,
+            across: x - left,
+            down: y - top,
+        }
     }
 
     fn texel(&self, index: u32) -> Vec3 {
@@ -53,9 +70,26 @@ impl<'a> TextureView<'a> {
         )
     }
 
+    fn code(&self, index: u32) -> Vec4 {
+        let code = at(self.words, index);
+        let channel = |shift: u32| (code >> shift & 0xff) as f32 * (1.0 / 255.0);
+        Vec4::new(channel(0), channel(8), channel(16), channel(24))
+    }
+
     fn decode(&self, srgb: u32) -> f32 {
         f32::from_bits(at(self.words, srgb))
     }
+}
+
+/// The texels around a point: where they lie in the buffer, and how far to go from left to right
+/// and down, in [0, 1].
+struct Neighbours {
+    upper_left: u32,
+    upper_right: u32,
+    lower_left: u32,
+    lower_right: u32,
+    across: f32,
+    down: f32,
 }
 
 /// The texel column (or row) of an integral coordinate in [-1, size], repeated.

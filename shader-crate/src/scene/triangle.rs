@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! triangle:   centroid, material | narrowness, attributes, least, unused
-//! attributes: normal 0, u0 | normal 1, v0 | normal 2, u1 | v1, u2, v2, unused
+//! attributes: normal 0, u0 | normal 1, v0 | normal 2, u1 | v1, u2, v2, tangent
 //! ```
 //!
 //! Row layout: see [`crate::memory::rows`].
@@ -64,8 +64,9 @@ device_struct! {
         pub u2: f32,
         /// Texture coordinate v at corner 2.
         pub v2: f32,
-        /// Unused; zero.
-        pub pad: u32,
+        /// The direction of growing `u` along the triangle, see [`crate::math::packed`], or
+        /// [`NO_TANGENT`](crate::math::packed::NO_TANGENT).
+        pub tangent: u32,
     }
 }
 
@@ -86,7 +87,7 @@ impl Attributes {
             v1: f32::from_bits(last.x),
             u2: f32::from_bits(last.y),
             v2: f32::from_bits(last.z),
-            pad: last.w,
+            tangent: last.w,
         }
     }
 }

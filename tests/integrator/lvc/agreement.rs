@@ -12,7 +12,7 @@ use raystream::render::BidirectionalTechniques::{
     WithoutLightTracing,
 };
 use raystream::render::{LightCacheSettings, PreparedScene, Settings};
-use raystream::scene::{FilmSize, Scene, load, load_named};
+use raystream::scene::{FilmSize, Material, Principled, Scene, load, load_named};
 use raystream_tests::scenes::{self, add_ball, add_box, add_quad};
 use raystream_tests::statistics::assert_rounds_have_expectation;
 use raystream_tests::{large_scenes, prepare, render, settings, with_gpu};
@@ -69,8 +69,48 @@ fn rooms_with_every_material() {
         ("mirror", scenes::mirror(0.9)),
         ("glass", scenes::glass(1.5)),
         ("bubble", scenes::glass(0.7)),
+        ("metal", Material::Principled(Principled::metal(Vec3::new(0.9, 0.7, 0.4), 0.3))),
+        ("paint", Material::Principled(Principled::paint(Vec3::splat(0.6), 0.2))),
+        ("rough glass", Material::Principled(Principled::glass(1.5, 0.4))),
     ] {
         assert_agreement(&scenes::room(ball, 1.0), 2048, name);
+    }
+}
+
+/// Glossy surfaces next to each other, to the lamp and to the camera: whichever vertices of a path
+/// they are, its techniques have one weight together.
+#[test]
+fn a_room_of_glossy_walls() {
+    let mut scene = scenes::room(scenes::glass(1.5), 1.0);
+    let mixture = Principled { metallic: 0.4, ..Principled::paint(Vec3::splat(0.7), 0.4) };
+    let walls = scene.materials.iter_mut().filter(|m| matches!(m, Material::Diffuse { .. }));
+    for wall in walls.step_by(2) {
+        *wall = Material::Principled(mixture);
+    }
+    assert_agreement(&scene, 4096, "glossy walls");
+}
+
+/// Light paths from infinity, and every technique for light from there.
+#[test]
+fn light_of_an_environment() {
+    for (name, ball) in [("diffuse", scenes::diffuse(0.6)), ("glass", scenes::glass(1.5))] {
+        let scene = scenes::roofless(ball);
+        let (prepared, expected) = path_traced(&scene, 4096);
+        for techniques in [
+            BidirectionalTechniques::All,
+            Connections,
+            LightTracing,
+            WithoutConnections,
+            WithoutLightSampling,
+            WithoutLightTracing,
+        ] {
+            let settings = lvc(&scene, LIGHT_PATHS);
+            let light_cache = LightCacheSettings { techniques, ..settings.light_cache };
+            let settings = Settings { light_cache, ..settings };
+            let pictures = rounds(&CpuExecutor, &prepared, &settings, ROUNDS, SAMPLES);
+            let what = format!("{name} ball under a sky, {techniques:?}");
+            assert_rounds_have_expectation(&expected, &pictures, &what);
+        }
     }
 }
 

@@ -7,10 +7,11 @@ use raystream_shaders::integrator::lvc::mis::{
     lambert, light_weight,
 };
 use raystream_shaders::math::random::{hash, unit_float};
+use raystream_shaders::scene::abilities::{BASIC, Fixed};
 use raystream_shaders::scene::bsdf::{BsdfSample, Material, MaterialKind};
 use raystream_shaders::scene::ray::SurfacePoint;
 use raystream_shaders::scene::surface::Surface;
-use raystream_tests::materials::{diffuse, glass, mirror};
+use raystream_tests::materials::{bsdf, diffuse, glass, mirror};
 use std::f64::consts::PI;
 
 /// A vertex of a path, seen from nowhere in particular.
@@ -200,7 +201,7 @@ impl Path {
     }
 
     /// Vertex `at` as a ray sees it that comes from `from`.
-    fn surface(&self, from: usize, at: usize) -> Surface {
+    fn surface(&self, from: usize, at: usize) -> Surface<'static, Fixed<BASIC>> {
         let vertex = &self.vertices[at];
         let incoming = self.direction(from, at);
         let from_outside = incoming.dot(vertex.shading) < 0.0;
@@ -211,9 +212,11 @@ impl Path {
                 offset_roundings: 1.0,
             },
             from_front: incoming.dot(vertex.geometric) < 0.0,
-            bsdf: vertex
-                .material
-                .bsdf(if from_outside { vertex.shading } else { -vertex.shading }, from_outside),
+            bsdf: bsdf(
+                &vertex.material,
+                if from_outside { vertex.shading } else { -vertex.shading },
+                from_outside,
+            ),
             emission: vertex.material.emission,
         }
     }

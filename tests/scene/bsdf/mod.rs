@@ -1,4 +1,6 @@
 //! Materials.
 
 mod diffuse;
+mod maps;
+mod principled;
 mod specular;

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use raystream_shaders::math::random::{CHOICES, INDEPENDENT, RandomNumbers, unit_float};
 use raystream_shaders::scene::bsdf::{BsdfSample, Material};
 use raystream_tests::histogram::{SAMPLERS, histogram};
-use raystream_tests::materials::{glass, mirror};
+use raystream_tests::materials::{bsdf, glass, mirror};
 use raystream_tests::statistics::assert_chi_square;
 
 const COUNT: u32 = 1 << 16;
@@ -23,7 +23,7 @@ fn sample(
     incoming: Vec3,
     lobe: f32,
 ) -> BsdfSample {
-    material.bsdf(normal, from_outside).sample(incoming, [0.5; 2], lobe)
+    bsdf(material, normal, from_outside).sample(incoming, [0.5; 2], lobe)
 }
 
 /// Normals with rays that come in at `degrees` to them.
@@ -39,7 +39,7 @@ fn arrivals(degrees: f64) -> impl Iterator<Item = (Vec3, Vec3)> {
 
 /// Fresnel's reflectance of unpolarised light that arrives at `degrees` and goes over to `eta`
 /// times the index, by the angles on both sides.
-fn reflectance(degrees: f64, eta: f64) -> f64 {
+pub fn reflectance(degrees: f64, eta: f64) -> f64 {
     let incident = degrees.to_radians();
     let sin_refracted = incident.sin() / eta;
     if sin_refracted >= 1.0 {

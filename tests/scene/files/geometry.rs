@@ -8,7 +8,7 @@ use serde_json::json;
 #[test]
 fn faces_without_texture_coordinates_show_the_mean_of_the_texture() {
     let mean = Material::diffuse(Vec3::new(0.5, 0.0, 0.5));
-    let is_textured = |material: &Material| material.texture().is_some();
+    let is_textured = |material: &Material| material.textures().next().is_some();
     let mixed = scene(SQUARE.to_owned() + "f 1 2 3\nf 1/1 2/2 3\nf 1/9 2/0 3/3\n", TEXTURED);
     assert!(is_textured(&mixed.materials[0]) && mixed.materials[1] == mean);
     let counts: Vec<_> = mixed.meshes.iter().map(|mesh| mesh.triangles.len()).collect();

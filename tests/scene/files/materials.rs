@@ -2,7 +2,7 @@
 
 use super::{SQUARE, TEXTURED, assert_same, assert_warns, folder, loaded, scene};
 use glam::{Vec2, Vec3};
-use raystream::scene::Material;
+use raystream::scene::{Material, Principled, load};
 use raystream_tests::scene_folder::MTL;
 
 #[test]
@@ -83,7 +83,7 @@ fn the_number_of_illum_alone_makes_no_glass_of_paint() {
             assert_eq!(of(&format!("illum {illum}\n{rest}")), paint, "{illum} {rest}");
         }
         let painted = of(&format!("illum {illum}\nNi 1.5\nd 1\nmap_Kd t.png\n"));
-        assert!(painted.texture().is_some(), "{painted:?}");
+        assert!(painted.textures().next().is_some(), "{painted:?}");
         assert_eq!(of(&format!("illum {illum}\nNi 1.33\n")), Material::glass(1.33));
         assert_eq!(of(&format!("illum {illum}\nd 0.2\n")), Material::glass(1.5));
         assert_eq!(of(&format!("illum {illum}\nTr 0.8\nNi 1\n")), Material::glass(1.0));
@@ -94,6 +94,35 @@ fn the_number_of_illum_alone_makes_no_glass_of_paint() {
         assert_eq!(of(&format!("illum {illum}\nKs 0 0 0\n")), paint);
         assert_eq!(of(&format!("illum {illum}\nKs .9\n")), Material::mirror(Vec3::splat(0.9)));
     }
+}
+
+#[test]
+fn the_keys_of_physically_based_materials() {
+    let of = |mtl: &str| scene(SQUARE, format!("newmtl plain\nKd .8 .1 .1\n{mtl}"));
+    let colour = Vec3::new(0.8, 0.1, 0.1);
+    let material = |mtl: &str| of(mtl).materials[0];
+    let is = |mtl: &str, expected: Principled| {
+        assert_eq!(material(mtl), Material::Principled(expected), "{mtl}");
+    };
+    is("Pr 0.3\nPm 1\n", Principled::metal(colour, 0.3));
+    is(
+        "Pr 0.25\nNi 1.33\nKs .5\nNs 90\nillum 2\n",
+        Principled { ior: 1.33, ..Principled::paint(colour, 0.25) },
+    );
+    is("Pm 1\nNs 250\n", Principled::metal(colour, 0.5));
+    is("Pm 0.5\n", Principled { metallic: 0.5, ..Principled::paint(colour, 0.5) });
+    let lamp = Principled { emission: Vec3::splat(2.0), ..Principled::paint(colour, 1.0) };
+    is("Pr 1.001\nKe 2 2 2\n", lamp);
+    let glass = Principled { transmission: 1.0, ..Principled::paint(colour, 0.2) };
+    is("Pr 0.2\nillum 7\nNi 1.5\n", glass);
+    assert_eq!(of("Pr 0.2\nillum 7\nNi 1.5\n").warnings, [""; 0]);
+    assert_eq!(material("Pm 0\n"), Material::diffuse(colour), "no metal and no roughness");
+    let painted = material("Pr 0.2\nmap_Kd t.png\n");
+    assert!(matches!(painted, Material::Principled(Principled { roughness: 0.2, .. })));
+    assert!(painted.textures().next().is_some());
+    let folder = folder(SQUARE, "newmtl plain\nPr 1.5\n");
+    let error = load(&folder.path("scene.json")).unwrap_err().to_string();
+    assert!(error.contains("Pr") && error.contains("from 0 to 1, is 1.5"), "{error}");
 }
 
 #[test]
@@ -108,7 +137,8 @@ fn what_is_left_out_is_said() {
         ("illum 4\nNi 1.5\nTf .1 .6 .1\n", ["filter", "`Tf` of `plain`"]),
         ("Ks .9 .9 .9\nNs 200\n", ["no effect", "`Ks` of `plain`; `Ns` of `plain`"]),
         ("map_Bump b.png\nnorm n.png\n", ["no effect", "`map_Bump` of `plain`; `norm` of `plain`"]),
-        ("Pr 0.3\nPm 1\n", ["no effect", "`Pm` of `plain`; `Pr` of `plain`"]),
+        ("Pr 0.3\nPc 1\nPs 1\n", ["no effect", "`Pc` of `plain`; `Ps` of `plain`"]),
+        ("Pr 0.3\nmap_Pr r.png\nd 0.5\n", ["no effect", "`map_Pr` of `plain`"]),
         ("Ke 1 1 1\nmap_Kd t.png\n", ["no effect", "`map_Kd` of `plain`"]),
     ] {
         let scene = with(mtl);

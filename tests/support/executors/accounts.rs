@@ -53,6 +53,10 @@ impl Executor for Accounts {
         "a device on paper"
     }
 
+    fn prepare(&self, _: u32) -> Result<(), ExecError> {
+        Ok(())
+    }
+
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Piece, ExecError> {
         self.check_size(label, bytes)?;
         if self.used() + bytes > self.room {

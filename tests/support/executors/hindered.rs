@@ -55,6 +55,10 @@ impl<E: Executor> Executor for Hindered<'_, E> {
         Ok(())
     }
 
+    fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
+        self.inner.prepare(abilities)
+    }
+
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError> {
         self.inner.allocate(label, bytes)
     }

@@ -3,7 +3,9 @@
 use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
-use raystream::scene::{Camera, Material, Reflectance, Scene};
+use raystream::scene::{
+    Camera, Channel, Maps, Material, Principled, Reflectance, Scene, TextureId,
+};
 use sha2::{Digest, Sha256};
 
 /// Everything that a reference's pixels depend on, as pairs of name and value.
@@ -59,8 +61,8 @@ impl Identity {
     }
 }
 
-/// A digest of what is in a scene: surfaces, lights, materials, textures and camera. Its name, its
-/// background and its limits are not.
+/// A digest of what is in a scene: surfaces, lights, materials, textures, environment and camera.
+/// Its name, its background and its limits are not.
 fn scene_digest(scene: &Scene) -> String {
     let mut hasher = Sha256::new();
     for mesh in &scene.meshes {
@@ -81,6 +83,11 @@ fn scene_digest(scene: &Scene) -> String {
     for texture in &scene.textures {
         add(&mut hasher, &[texture.width, texture.height]);
         add(&mut hasher, &texture.texels);
+    }
+    if let Some(environment) = &scene.environment {
+        add(&mut hasher, &[environment.width, environment.height]);
+        add(&mut hasher, &environment.texels);
+        add(&mut hasher, &[environment.rotation, environment.strength]);
     }
     let lengths =
         [scene.meshes.len(), scene.quad_lights.len(), scene.materials.len(), scene.textures.len()];
@@ -120,7 +127,24 @@ fn add_material(hasher: &mut Sha256, material: &Material) {
             hasher.update([4]);
             add(hasher, &[radiance, reflectance]);
         }
+        Material::Principled(material) => {
+            hasher.update([5]);
+            let Principled { metallic, roughness, ior, transmission, .. } = material;
+            add(hasher, &[metallic, roughness, ior, transmission]);
+            add(hasher, &[material.base_colour, material.specular, material.emission]);
+            add_maps(hasher, &material.maps);
+        }
     }
+}
+
+fn add_maps(hasher: &mut Sha256, maps: &Maps) {
+    let texture = |map: Option<TextureId>| map.map_or(u32::MAX, |map| map.0);
+    let channel =
+        |map: Option<Channel>| map.map_or([u32::MAX; 2], |map| [map.texture.0, map.channel]);
+    let [roughness, metallic] = [maps.roughness, maps.metallic].map(channel);
+    add(hasher, &[texture(maps.base_colour), texture(maps.normal.map(|map| map.texture))]);
+    add(hasher, &[roughness, metallic].concat());
+    add(hasher, &[maps.normal.map_or(1.0, |map| map.scale)]);
 }
 
 /// A digest of a picture's channels, their names aside.
@@ -142,7 +166,7 @@ fn hex(bytes: &[u8]) -> String {
 mod tests {
     use super::*;
     use raystream::render::LightCacheSettings;
-    use raystream::scene::{FilmSize, embedded};
+    use raystream::scene::{Environment, FilmSize, embedded};
 
     fn settings() -> Settings {
         Settings {
@@ -179,6 +203,11 @@ mod tests {
             {
                 let mut scene = scene.clone();
                 scene.background = glam::Vec3::ONE;
+                scene
+            },
+            {
+                let mut scene = scene.clone();
+                scene.set_environment(Environment::new(1, 1, vec![glam::Vec3::ONE]));
                 scene
             },
         ];

@@ -7,6 +7,7 @@ mod commands;
 mod comparing;
 mod convergence;
 mod denoise;
+mod environment;
 mod integrators;
 mod interrupt;
 mod kills;

@@ -10,8 +10,7 @@ pub use pipelines::ShaderPath;
 
 use super::{ExecError, Executor, Kernel, Launch, Limits, kernels};
 use clock::Clock;
-use pipelines::{Pipeline, Shaders};
-use std::collections::HashMap;
+use pipelines::{Pipeline, Pipelines};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -23,7 +22,7 @@ pub struct GpuExecutor {
     name: String,
     device: wgpu::Device,
     queue: wgpu::Queue,
-    pipelines: HashMap<&'static str, Pipeline>,
+    pipelines: Pipelines,
     limits: wgpu::Limits,
     /// What times parts of runs, where the device has a clock, and is kept from run to run.
     clock: Option<Mutex<Clock>>,
@@ -32,7 +31,7 @@ pub struct GpuExecutor {
 }
 
 impl GpuExecutor {
-    /// Opens `adapter` and compiles the kernels for it.
+    /// Opens `adapter` and compiles for it the kernels that need no scene.
     pub fn new(adapter: &wgpu::Adapter, path: ShaderPath) -> Result<Self, ExecError> {
         let name = adapter.get_info().name;
         let limits = adapter.limits();
@@ -64,9 +63,11 @@ impl GpuExecutor {
             }
         });
 
-        let mut executor = Self {
+        let unsuitable = |reason| ExecError::Unsuitable { device: name.clone(), reason };
+        let pipelines = Pipelines::new(device.clone(), path).map_err(unsuitable)?;
+        let executor = Self {
             name,
-            pipelines: HashMap::new(),
+            pipelines,
             limits,
             clock: features
                 .contains(wgpu::Features::TIMESTAMP_QUERY)
@@ -75,17 +76,35 @@ impl GpuExecutor {
             device,
             queue,
         };
-        let unsuitable = |reason| ExecError::Unsuitable { device: executor.name.clone(), reason };
-        let shaders = Shaders::new(&executor.device, path).map_err(unsuitable)?;
-        executor.check()?;
-        let mut pipelines = HashMap::new();
-        for kernel in kernels::table::ALL {
-            let pipeline = Pipeline::new(&executor.device, &shaders, kernel).map_err(unsuitable)?;
-            pipelines.insert(kernel.name, pipeline);
-        }
-        executor.pipelines = pipelines;
-        executor.check()?;
+        executor.compile(0, |kernel| !kernel.has_scene())?;
         Ok(executor)
+    }
+
+    /// Compiles those of the kernels that are `wanted`, for scenes that use `abilities`.
+    fn compile(&self, abilities: u32, wanted: impl Fn(&Kernel) -> bool) -> Result<(), ExecError> {
+        for &kernel in kernels::table::ALL.iter().filter(|kernel| wanted(kernel)) {
+            self.pipeline(kernel, abilities)?;
+        }
+        self.check()
+    }
+
+    fn pipeline(
+        &self,
+        kernel: &'static Kernel,
+        abilities: u32,
+    ) -> Result<Arc<Pipeline>, ExecError> {
+        self.pipelines
+            .get(kernel, abilities)
+            .map_err(|reason| ExecError::Unsuitable { device: self.name.clone(), reason })
+    }
+
+    /// The pipeline of each launch.
+    fn pipelines_of(
+        &self,
+        parts: &[&[Launch<'_, wgpu::Buffer>]],
+    ) -> Result<Vec<Arc<Pipeline>>, ExecError> {
+        let launches = parts.iter().copied().flatten();
+        launches.map(|launch| self.pipeline(launch.kernel, launch.abilities)).collect()
     }
 
     /// The size of the launch's grid in workgroups: rows of at most as many as the device allows.
@@ -98,6 +117,7 @@ impl GpuExecutor {
     fn bind_group(
         &self,
         launch: &Launch<'_, wgpu::Buffer>,
+        layout: &wgpu::BindGroupLayout,
         parameters: &wgpu::Buffer,
         first_byte: u64,
     ) -> wgpu::BindGroup {
@@ -118,7 +138,7 @@ impl GpuExecutor {
             .collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(launch.kernel.name),
-            layout: &self.pipelines[launch.kernel.name].layout,
+            layout,
             entries: &entries,
         })
     }
@@ -223,6 +243,10 @@ impl Executor for GpuExecutor {
         }
     }
 
+    fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
+        self.compile(abilities, Kernel::has_scene)
+    }
+
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<wgpu::Buffer, ExecError> {
         self.check_size(label, bytes)?;
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
@@ -274,22 +298,26 @@ impl Executor for GpuExecutor {
         if parts.is_empty() {
             return Ok(Vec::new());
         }
+        // Before time is taken: some may have to be compiled.
+        let pipelines = self.pipelines_of(parts)?;
         let start = Instant::now();
         let count = parts.len() as u32;
         let mut clock =
             self.clock.as_ref().map(|clock| clock.lock().unwrap_or_else(PoisonError::into_inner));
         let clock = clock.as_mut().and_then(|clock| clock.with_room_for(&self.device, count));
         let (parameters, starts) = self.parameter_buffer(parts.iter().copied().flatten());
-        let mut starts = starts.into_iter();
+        let mut launched = pipelines.iter().zip(starts);
         let mut encoder = self.device.create_command_encoder(&Default::default());
         for (part, number) in parts.iter().zip(0..) {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: part.first().map(|launch| launch.kernel.name),
                 timestamp_writes: clock.map(|clock| clock.stamps(number)),
             });
-            for (launch, first_byte) in part.iter().zip(&mut starts) {
-                pass.set_pipeline(&self.pipelines[launch.kernel.name].pipeline);
-                pass.set_bind_group(0, &self.bind_group(launch, &parameters, first_byte), &[]);
+            for (launch, (pipeline, first_byte)) in part.iter().zip(&mut launched) {
+                let Pipeline { pipeline, layout } = pipeline.as_ref();
+                let bind_group = self.bind_group(launch, layout, &parameters, first_byte);
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, &bind_group, &[]);
                 let (columns, rows) = self.grid(launch.kernel, launch.threads());
                 pass.dispatch_workgroups(columns, rows, 1);
             }

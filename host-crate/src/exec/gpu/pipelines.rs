@@ -3,6 +3,9 @@
 use super::spirv;
 use crate::exec::kernels::SPIRV;
 use crate::exec::{Access, Kernel};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// How the kernels reach the driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,44 +17,50 @@ pub enum ShaderPath {
     Naga,
 }
 
-/// Makes the modules of kernels.
-pub enum Shaders {
-    /// One for each kernel, see [`spirv`](super::spirv).
-    Passthrough(Box<spirv::Kernels>),
-    /// One for all.
-    Naga(wgpu::ShaderModule),
+/// The pipelines of a device. Each is compiled when it is first asked for, since there is one for
+/// every kernel and every word of abilities that scenes use.
+pub struct Pipelines {
+    device: wgpu::Device,
+    path: ShaderPath,
+    kernels: spirv::Kernels,
+    compiled: Mutex<HashMap<(&'static str, u32), Arc<Pipeline>>>,
 }
 
-impl Shaders {
-    /// From the SPIR-V that was compiled.
+impl Pipelines {
+    /// None yet, of the SPIR-V that was compiled.
     ///
     /// # Errors
     /// Why it cannot be read.
-    pub fn new(device: &wgpu::Device, path: ShaderPath) -> Result<Self, String> {
-        let words: Vec<u32> = bytemuck::pod_collect_to_vec(SPIRV);
-        match path {
-            ShaderPath::Passthrough => {
-                spirv::Kernels::parse(&words).map(|kernels| Self::Passthrough(Box::new(kernels)))
-            }
-            ShaderPath::Naga => {
-                Ok(Self::Naga(device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                    label: Some("kernels"),
-                    source: wgpu::ShaderSource::SpirV(words.into()),
-                })))
+    pub fn new(device: wgpu::Device, path: ShaderPath) -> Result<Self, String> {
+        let kernels = spirv::Kernels::parse(&bytemuck::pod_collect_to_vec::<u8, u32>(SPIRV))?;
+        Ok(Self { device, path, kernels, compiled: Mutex::default() })
+    }
+
+    /// The pipeline of `kernel` for scenes that use `abilities`.
+    ///
+    /// # Errors
+    /// Why the SPIR-V does not have it. What the driver says against it is reported to the device.
+    pub fn get(&self, kernel: &'static Kernel, abilities: u32) -> Result<Arc<Pipeline>, String> {
+        let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        match compiled.entry((kernel.name, abilities)) {
+            Entry::Occupied(there) => Ok(Arc::clone(there.get())),
+            Entry::Vacant(place) => {
+                let words = self.kernels.alone(kernel.name, abilities)?;
+                let module = self.module(kernel, words);
+                let pipeline = Pipeline::new(&self.device, &module, kernel);
+                Ok(Arc::clone(place.insert(Arc::new(pipeline))))
             }
         }
     }
 
-    fn module_of(
-        &self,
-        device: &wgpu::Device,
-        kernel: &Kernel,
-    ) -> Result<wgpu::ShaderModule, String> {
-        let kernels = match self {
-            Self::Naga(module) => return Ok(module.clone()),
-            Self::Passthrough(kernels) => kernels,
-        };
-        let words = kernels.alone(kernel.name)?;
+    /// The module of `kernel` as the driver takes it.
+    fn module(&self, kernel: &Kernel, words: Vec<u32>) -> wgpu::ShaderModule {
+        if self.path == ShaderPath::Naga {
+            return self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(kernel.name),
+                source: wgpu::ShaderSource::SpirV(words.into()),
+            });
+        }
         let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
             label: Some(kernel.name),
             entry_points: vec![wgpu::PassthroughShaderEntryPoint {
@@ -65,7 +74,7 @@ impl Shaders {
         // SAFETY: the module is a part of one that was validated when it was compiled, with all
         // that it names; its interface is compared with the table by a test, and every launch binds
         // what the table says.
-        Ok(unsafe { device.create_shader_module_passthrough(descriptor) })
+        unsafe { self.device.create_shader_module_passthrough(descriptor) }
     }
 }
 
@@ -76,12 +85,8 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// Compiles `kernel`.
-    ///
-    /// # Errors
-    /// Why `shaders` does not have it.
-    pub fn new(device: &wgpu::Device, shaders: &Shaders, kernel: &Kernel) -> Result<Self, String> {
-        let module = shaders.module_of(device, kernel)?;
+    /// Compiles `kernel`, which is all of `module`.
+    fn new(device: &wgpu::Device, module: &wgpu::ShaderModule, kernel: &Kernel) -> Self {
         let layout = bind_group_layout(device, kernel);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(kernel.name),
@@ -91,7 +96,7 @@ impl Pipeline {
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(kernel.name),
             layout: Some(&pipeline_layout),
-            module: &module,
+            module,
             entry_point: Some(kernel.name),
             compilation_options: wgpu::PipelineCompilationOptions {
                 zero_initialize_workgroup_memory: false,
@@ -99,7 +104,7 @@ impl Pipeline {
             },
             cache: None,
         });
-        Ok(Self { pipeline, layout })
+        Self { pipeline, layout }
     }
 }
 

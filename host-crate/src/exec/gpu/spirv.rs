@@ -2,11 +2,17 @@
 //!
 //! NVIDIA's driver gives every pipeline the workgroup memory of all variables of its module,
 //! whichever kernels use them, and with it go registers and cache. So each pipeline is made of a
-//! module that has one entry point, the functions that it calls, and the variables that these name.
+//! module that has one entry point, the functions that it calls, and what these name: variables,
+//! constants and types.
+//!
+//! In it the word of [abilities](raystream_shaders::scene::abilities) is no specialisation constant
+//! any more but the scene's own. wgpu has no way to give one to a driver, and like this every
+//! compiler on the way, naga too, knows the branches that are dead.
 
+use raystream_shaders::scene::abilities::ABILITIES;
 use rspirv::binary::Assemble;
 use rspirv::dr::{Function, Instruction, Module, Operand, load_words};
-use rspirv::spirv::Op;
+use rspirv::spirv::{Decoration, Op};
 use std::collections::{HashMap, HashSet};
 
 /// The module of all kernels, taken apart.
@@ -28,11 +34,11 @@ impl Kernels {
         Ok(Self { module, functions })
     }
 
-    /// The module with the entry point `name` alone, as words.
+    /// The module with the entry point `name` alone, for scenes that use `abilities`, as words.
     ///
     /// # Errors
     /// That there is none of that name.
-    pub fn alone(&self, name: &str) -> Result<Vec<u32>, String> {
+    pub fn alone(&self, name: &str, abilities: u32) -> Result<Vec<u32>, String> {
         let text = Operand::LiteralString(name.into());
         let is_named = |entry: &&Instruction| entry.operands.get(2) == Some(&text);
         let missing = || format!("there is no kernel '{name}'");
@@ -41,19 +47,14 @@ impl Kernels {
         let kept = self.reached_from(main);
         let functions: Vec<Function> =
             kept.iter().map(|&place| self.module.functions[place].clone()).collect();
-        let named: HashSet<u32> = functions.iter().flat_map(ids).collect();
-        let is_needed = |global: &&Instruction| {
-            global.class.opcode != Op::Variable
-                || global.result_id.is_some_and(|id| named.contains(&id))
-        };
         let module = &self.module;
-        let globals: Vec<Instruction> =
-            module.types_global_values.iter().filter(is_needed).cloned().collect();
+        let interface = entry.operands.iter().filter_map(Operand::id_ref_any);
+        let globals = self.globals(interface.chain(functions.iter().flat_map(ids)), abilities);
         let mut there: HashSet<u32> = functions.iter().flat_map(results).collect();
         there.extend(globals.iter().filter_map(|global| global.result_id));
         let is_there = |about: &&Instruction| {
             let target = about.operands.first().and_then(Operand::id_ref_any);
-            target.is_none_or(|id| there.contains(&id))
+            target.is_none_or(|id| there.contains(&id)) && !is_specialisation(about)
         };
         let modes = module.execution_modes.iter();
         let alone = Module {
@@ -77,6 +78,34 @@ impl Kernels {
         Ok(alone.assemble())
     }
 
+    /// The types, constants and variables with these ids, and those that they name, in the module's
+    /// order; with `abilities` for the word of abilities.
+    fn globals(&self, named: impl Iterator<Item = u32>, abilities: u32) -> Vec<Instruction> {
+        let mut needed: HashSet<u32> = named.collect();
+        let switches = self.switches();
+        let mut kept = Vec::new();
+        // What a global names stands before it.
+        for global in self.module.types_global_values.iter().rev() {
+            let Some(id) = global.result_id.filter(|id| needed.contains(id)) else { continue };
+            needed.extend(ids_of(global));
+            let is_switch = switches.contains(&id);
+            kept.push(if is_switch { constant(global, abilities) } else { global.clone() });
+        }
+        kept.reverse();
+        kept
+    }
+
+    /// The specialisation constants that hold the abilities: one for each kernel that asks for
+    /// them, or one for all.
+    fn switches(&self) -> HashSet<u32> {
+        let is_switch = |about: &&Instruction| {
+            is_specialisation(about)
+                && about.operands.get(2) == Some(&Operand::LiteralBit32(ABILITIES))
+        };
+        let switches = self.module.annotations.iter().filter(is_switch);
+        switches.filter_map(|about| about.operands[0].id_ref_any()).collect()
+    }
+
     /// The places of a function and of all that it calls, in the module's order.
     fn reached_from(&self, main: u32) -> Vec<usize> {
         let (mut reached, mut next) = (HashSet::new(), vec![main]);
@@ -94,10 +123,26 @@ impl Kernels {
     }
 }
 
+/// Whether an annotation makes a constant one for specialisation.
+fn is_specialisation(annotation: &Instruction) -> bool {
+    annotation.operands.get(1) == Some(&Operand::Decoration(Decoration::SpecId))
+}
+
+/// An ordinary constant of the value `word` in place of one for specialisation.
+fn constant(special: &Instruction, word: u32) -> Instruction {
+    let value = vec![Operand::LiteralBit32(word)];
+    Instruction::new(Op::Constant, special.result_type, special.result_id, value)
+}
+
+/// All ids that an instruction names, its own aside.
+fn ids_of(instruction: &Instruction) -> impl Iterator<Item = u32> {
+    let operands = instruction.operands.iter().filter_map(Operand::id_ref_any);
+    operands.chain(instruction.result_type)
+}
+
 /// All ids that a function's instructions name.
 fn ids(function: &Function) -> Vec<u32> {
-    let operands = function.all_inst_iter().flat_map(|instruction| &instruction.operands);
-    operands.filter_map(Operand::id_ref_any).collect()
+    function.all_inst_iter().flat_map(ids_of).collect()
 }
 
 /// All ids that a function's instructions define.
@@ -118,7 +163,7 @@ mod tests {
     fn every_kernel_alone_is_a_module_with_one_entry_point_and_all_that_it_names() {
         let kernels = kernels();
         for kernel in table::ALL {
-            let alone = load_words(kernels.alone(kernel.name).unwrap()).unwrap();
+            let alone = load_words(kernels.alone(kernel.name, 0).unwrap()).unwrap();
             assert_eq!(alone.entry_points.len(), 1, "{}", kernel.name);
             let mut there: HashSet<u32> = alone.functions.iter().flat_map(results).collect();
             there.extend(alone.types_global_values.iter().filter_map(|global| global.result_id));
@@ -137,7 +182,7 @@ mod tests {
         use rspirv::spirv::StorageClass::Workgroup;
         let kernels = kernels();
         let variables = |name: &str| {
-            let alone = load_words(kernels.alone(name).unwrap()).unwrap();
+            let alone = load_words(kernels.alone(name, 0).unwrap()).unwrap();
             let is_shared = |global: &&Instruction| {
                 global.operands.first() == Some(&Operand::StorageClass(Workgroup))
                     && global.class.opcode == Op::Variable
@@ -146,6 +191,30 @@ mod tests {
         };
         assert_eq!(variables("trace_paths"), 0);
         assert_eq!(variables("sum_blocks"), 1);
-        assert!(kernels.alone("no such kernel").is_err());
+        assert!(kernels.alone("no such kernel", 0).is_err());
+    }
+
+    #[test]
+    fn a_kernel_alone_has_the_abilities_of_its_scene_as_an_ordinary_constant() {
+        let kernels = kernels();
+        let is_special = |instruction: &Instruction| {
+            matches!(
+                instruction.class.opcode,
+                Op::SpecConstant | Op::SpecConstantTrue | Op::SpecConstantFalse
+            ) || instruction.operands.contains(&Operand::Decoration(Decoration::SpecId))
+        };
+        assert!(kernels.module.all_inst_iter().any(is_special), "some kernel asks for abilities");
+        for kernel in table::ALL {
+            let alone = |abilities| kernels.alone(kernel.name, abilities).unwrap();
+            let [without, with] = [0, 0x5eed].map(alone);
+            let module = load_words(&with).unwrap();
+            assert!(!module.all_inst_iter().any(is_special), "{}", kernel.name);
+            let changed: Vec<_> =
+                without.iter().zip(&with).filter(|(without, with)| without != with).collect();
+            assert_eq!(without.len(), with.len());
+            assert!(changed.iter().all(|&change| change == (&0, &0x5eed)), "{}", kernel.name);
+            let asks = ["trace_paths", "shade_queue", "first_hits", "trace_eye_paths"];
+            assert!(!asks.contains(&kernel.name) || changed.len() == 1, "{}", kernel.name);
+        }
     }
 }

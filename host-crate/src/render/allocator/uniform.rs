@@ -43,8 +43,8 @@ impl<B> Uniform<B> {
 /// very many turns.
 const LONGEST_RUN: u32 = 1 << 16;
 
-/// What is left of a uniform round: streams are made of it one by one, each no longer than is wanted
-/// by then.
+/// What is left of a uniform round: streams are made of it one by one, each no longer than is
+/// wanted by then.
 #[derive(Clone, Debug)]
 pub struct Windows {
     /// Samples of each pixel that are left, those of the pass under way included.
@@ -61,8 +61,8 @@ impl Windows {
         Self { samples, pass: 0, next: 0 }
     }
 
-    /// The next window of pixels whose slots are at most `largest`; where even the smallest window's
-    /// are more, in a pass of fewer samples. None at the round's end.
+    /// The next window of pixels whose slots are at most `largest`; where even the smallest
+    /// window's are more, in a pass of fewer samples. None at the round's end.
     pub fn next<B>(&mut self, film: &FilmBuffers<B>, largest: u32) -> Option<Stream> {
         if self.samples == 0 {
             return None;

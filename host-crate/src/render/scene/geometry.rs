@@ -5,6 +5,7 @@ use crate::scene::mesh::has_area;
 use crate::scene::{Mesh, Scene};
 use glam::{Vec2, Vec3};
 use rayon::slice::ParallelSliceMut;
+use raystream_shaders::math::packed::{NO_TANGENT, Tangent};
 use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES};
 
 /// A triangle of a scene.
@@ -55,9 +56,12 @@ impl Geometry {
             let normals = mesh.normals.as_ref().map(|normals| normals[index]);
             let coordinates = mesh.texture_coordinates.as_ref().map(|uvs| uvs[index]);
             let wanted = normals.is_some() || coordinates.is_some();
-            let attributes = wanted
-                .then(|| attributes(normals.unwrap_or_default(), coordinates.unwrap_or_default()));
-            self.add_triangle(mesh.corners(index), mesh.material.0, attributes);
+            let corners = mesh.corners(index);
+            let attributes = wanted.then(|| Attributes {
+                tangent: coordinates.map_or(NO_TANGENT, |uvs| tangent(corners, uvs)),
+                ..attributes(normals.unwrap_or_default(), coordinates.unwrap_or_default())
+            });
+            self.add_triangle(corners, mesh.material.0, attributes);
         }
     }
 
@@ -96,7 +100,22 @@ impl Geometry {
 
 fn attributes([normal0, normal1, normal2]: [Vec3; 3], coordinates: [Vec2; 3]) -> Attributes {
     let [[u0, v0], [u1, v1], [u2, v2]] = coordinates.map(|uv| uv.to_array());
-    Attributes { normal0, u0, normal1, v0, normal2, u1, v1, u2, v2, pad: 0 }
+    Attributes { normal0, u0, normal1, v0, normal2, u1, v1, u2, v2, tangent: NO_TANGENT }
+}
+
+/// The direction along a triangle in which the first texture coordinate grows and the second does
+/// not.
+fn tangent([a, b, c]: [Vec3; 3], [uv_a, uv_b, uv_c]: [Vec2; 3]) -> u32 {
+    let (edge1, edge2) = ((b - a).as_dvec3(), (c - a).as_dvec3());
+    let (along1, along2) = ((uv_b - uv_a).as_dvec2(), (uv_c - uv_a).as_dvec2());
+    let area = along1.perp_dot(along2);
+    let direction = (edge1 * along2.y - edge2 * along1.y) * area.signum();
+    match direction.try_normalize() {
+        Some(direction) if area != 0.0 => {
+            Tangent { direction: direction.as_vec3(), is_mirrored: area < 0.0 }.pack()
+        }
+        _ => NO_TANGENT,
+    }
 }
 
 #[cfg(test)]

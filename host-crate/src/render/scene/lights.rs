@@ -12,27 +12,50 @@ pub struct Lights {
     pub table: Vec<Light>,
     /// Sum of area times importance, in squared world units.
     pub total_importance: f32,
+    /// Probability of the environment, if there is one.
+    pub environment_chance: f32,
     /// Largest component of emitted radiance; 0 without lights.
     pub brightest: f32,
 }
 
-/// Finds the emissive triangles and builds their alias table.
-pub fn build(triangles: &[SceneTriangle], materials: &[Material]) -> Lights {
+/// Neither the environment nor the triangles together are chosen less often than this: one may be
+/// far stronger and all the same be hidden where the other shines.
+const LEAST_CHANCE: f64 = 0.1;
+
+/// Finds the emissive triangles and builds the alias table of them and, last, the environment. What
+/// it sends through the scene is as much as triangles do whose area times importance is
+/// `environment`.
+pub fn build(
+    triangles: &[SceneTriangle],
+    materials: &[Material],
+    environment: Option<f64>,
+) -> Lights {
     let emissive: Vec<(&SceneTriangle, &Material)> = triangles
         .iter()
         .map(|t| (t, &materials[t.material as usize]))
         .filter(|(_, material)| material.emits())
         .collect();
-    let weights: Vec<f64> = emissive
+    let mut weights: Vec<f64> = emissive
         .iter()
         .map(|(t, material)| area(t) * f64::from(importance(material.emission)))
         .collect();
+    let of_triangles = weights.iter().sum::<f64>();
+    let least = of_triangles * LEAST_CHANCE / (1.0 - LEAST_CHANCE);
+    let most = of_triangles * (1.0 - LEAST_CHANCE) / LEAST_CHANCE;
+    let environment =
+        environment.map(|power| if of_triangles > 0.0 { power.clamp(least, most) } else { power });
+    weights.extend(environment);
     let total_importance = weights.iter().sum::<f64>();
+    let environment_chance = (environment.unwrap_or(0.0) / total_importance) as f32;
     let columns = alias_table(&weights);
+    let chosen = columns
+        .last()
+        .filter(|_| environment.is_some())
+        .map(|&(threshold, alias)| Light { threshold, alias, ..Light::default() });
     let table = emissive
         .iter()
-        .zip(columns)
-        .map(|((triangle, material), (threshold, alias))| {
+        .zip(&columns)
+        .map(|((triangle, material), &(threshold, alias))| {
             let [corner, b, c] = triangle.corners;
             let functions = Functions::of(triangle.corners);
             Light {
@@ -48,10 +71,11 @@ pub fn build(triangles: &[SceneTriangle], materials: &[Material]) -> Lights {
                 offset: functions.offset as f32,
             }
         })
+        .chain(chosen)
         .collect();
     let brightest =
         emissive.iter().map(|(_, material)| material.emission.max_element()).fold(0.0, f32::max);
-    Lights { table, total_importance: total_importance as f32, brightest }
+    Lights { table, total_importance: total_importance as f32, environment_chance, brightest }
 }
 
 fn area(triangle: &SceneTriangle) -> f64 {
@@ -83,6 +107,8 @@ fn alias_table(weights: &[f64]) -> Vec<(u32, u32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use raystream_shaders::scene::abilities::Fixed;
+    use raystream_shaders::scene::environment::{EnvironmentView, NO_ENVIRONMENT};
     use raystream_shaders::scene::light::LightView;
 
     #[test]
@@ -99,6 +125,8 @@ mod tests {
             count: lights.len() as u32,
             total_importance: 0.0,
             offset_roundings: 0.0,
+            environment: EnvironmentView::new(&[], NO_ENVIRONMENT),
+            abilities: Fixed::<0>,
         };
         // A regular grid of 2^20 numbers, so that the counts are within the number of column ends
         // of the exact ones.
@@ -115,7 +143,7 @@ mod tests {
 
     #[test]
     fn no_lights_make_an_empty_table() {
-        let lights = build(&[], &[]);
+        let lights = build(&[], &[], None);
         assert!(lights.table.is_empty());
         assert_eq!((lights.total_importance, lights.brightest), (0.0, 0.0));
     }

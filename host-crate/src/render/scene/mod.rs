@@ -1,7 +1,9 @@
 //! A scene in the layout that the kernels read.
 
+mod albedos;
 pub mod bvh;
 pub mod camera;
+mod environment;
 mod geometry;
 mod lights;
 mod materials;
@@ -9,13 +11,16 @@ mod textures;
 mod triangles;
 
 use self::bvh::BvhQuality;
+use self::environment::{Ball, PackedEnvironment};
 use self::geometry::Geometry;
 use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
-use crate::scene::{Camera, PathLimits, Scene};
+use crate::scene::{Camera, Material, PathLimits, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
+use raystream_shaders::scene::abilities::{ALL, ENVIRONMENT, Fixed, PRINCIPLED, TEXTURES};
+use raystream_shaders::scene::environment::NO_ENVIRONMENT;
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -29,6 +34,8 @@ pub struct PreparedScene {
     /// What lies where, the lights' total and the background. What is up to a render's settings
     /// is zero.
     pub params: SceneParams,
+    /// What the scene uses, see [`raystream_shaders::scene::abilities`].
+    pub abilities: u32,
     /// For each triangle in the order of the leaves, its number in the scene: those of the meshes
     /// in order, then two for each quad light, those left out not counted. Triangles that were
     /// split appear several times.
@@ -53,19 +60,26 @@ impl PreparedScene {
     pub fn new(scene: &Scene, quality: BvhQuality) -> Result<Self, RenderError> {
         scene.check()?;
         let Geometry { triangles, attributes, degenerate, copies } = geometry::gather(scene);
-        let Textures { words: texels, places } = textures::pack(&scene.textures);
+        let Textures { words: mut texels, places } = textures::pack(&scene.textures);
         let materials = materials::table(scene, &places);
         let bvh = bvh::build(&triangles, quality);
-        let lights = lights::build(&triangles, &materials);
+        let environment = scene.environment.as_ref().and_then(PackedEnvironment::new);
+        let ball = Ball::around(triangles.iter().flat_map(|triangle| triangle.corners));
+        let power = environment.as_ref().map(|packed| packed.power * ball.radius_squared());
+        let lights = lights::build(&triangles, &materials, power);
         let mut geometry = bvh.nodes;
         let first_planes = append(&mut geometry, &triangles::planes(&triangles, &bvh.order));
         let first_order = append(&mut geometry, &rows_of(&bvh.order));
         let mut surfaces = triangles::shading(&triangles, &bvh.order);
+        let layers = materials::layers(scene, &places);
         let params = SceneParams {
             background: scene.background,
             lights: lights.table.len() as u32,
             total_importance: lights.total_importance,
-            brightest: lights.brightest,
+            brightest: environment.as_ref().map_or(0.0, |e| e.brightest).max(lights.brightest),
+            environment: environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
+                packed.append(&mut texels, lights.environment_chance, ball)
+            }),
             first_planes,
             first_order,
             first_attributes: append(&mut surfaces, &attributes),
@@ -73,11 +87,17 @@ impl PreparedScene {
             first_light: append(&mut surfaces, &lights.table),
             ..SceneParams::zeroed()
         };
+        if !layers.is_empty() {
+            // Right behind the lights, where the kernels look for them.
+            append(&mut surfaces, albedos::table());
+            append(&mut surfaces, &layers);
+        }
         Ok(Self {
             geometry,
             surfaces,
             texels,
             params,
+            abilities: abilities(scene, &params),
             scene_triangles: bvh.order,
             degenerate,
             copies,
@@ -97,14 +117,26 @@ impl PreparedScene {
     }
 
     /// The scene as kernels see it, for the host. What is up to a render's settings is zero.
-    pub fn view(&self) -> SceneView<'_> {
-        SceneView::new(&self.params, &self.geometry, &self.surfaces, &self.texels)
+    pub fn view(&self) -> SceneView<'_, Fixed<ALL>> {
+        SceneView::new(Fixed, &self.params, &self.geometry, &self.surfaces, &self.texels)
     }
 
     /// Copies it to a device.
     pub fn buffers<E: Executor>(&self, executor: &E) -> Result<SceneBuffers<E::Buffer>, ExecError> {
-        SceneBuffers::new(executor, &self.geometry, &self.surfaces, &self.texels)
+        SceneBuffers::new(executor, self.abilities, &self.geometry, &self.surfaces, &self.texels)
     }
+}
+
+/// What a scene uses.
+fn abilities(scene: &Scene, params: &SceneParams) -> u32 {
+    let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
+    let has_textures = any(|material| material.textures().next().is_some());
+    let is_principled = any(|material| matches!(material, Material::Principled(_)));
+    let has_environment = params.environment != NO_ENVIRONMENT;
+    [(has_textures, TEXTURES), (has_environment, ENVIRONMENT), (is_principled, PRINCIPLED)]
+        .into_iter()
+        .filter(|(uses, _)| *uses)
+        .fold(0, |word, (_, ability)| word | ability)
 }
 
 /// Four words to a row, the last filled up by zeros.
@@ -124,7 +156,8 @@ fn append<T: Pod>(rows: &mut Vec<UVec4>, elements: &[T]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raystream_shaders::scene::bsdf::Material;
+    use raystream_shaders::scene::bsdf;
+    use raystream_shaders::scene::bsdf::principled::Layers;
     use raystream_shaders::scene::light::Light;
     use raystream_shaders::scene::triangle::Attributes;
 
@@ -139,8 +172,10 @@ mod tests {
 
     #[test]
     fn kernels_unpack_the_memory_that_the_host_writes() {
-        let (rows, material) = numbered::<Material, { Material::ROWS as usize }>();
-        assert_eq!(Material::from_rows(rows), material);
+        let (rows, material) = numbered::<bsdf::Material, { bsdf::Material::ROWS as usize }>();
+        assert_eq!(bsdf::Material::from_rows(rows), material);
+        let (rows, layers) = numbered::<Layers, { Layers::ROWS as usize }>();
+        assert_eq!(Layers::from_rows(rows), layers);
         let (rows, light) = numbered::<Light, { Light::ROWS as usize }>();
         assert_eq!(Light::from_rows(rows), light);
         let (rows, attributes) = numbered::<Attributes, { Attributes::ROWS as usize }>();

@@ -40,8 +40,8 @@ pub fn shading(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
 /// both, where an error of the distance moves the point along the ray. With more, triangles would
 /// stand out beyond their edges farther than rays start from surfaces.
 const ENLARGED: f64 = 8.0;
-/// The roundings that computing a coordinate takes, see [`Barycentric::magnitude`], and one that its
-/// sum with another takes.
+/// The roundings that computing a coordinate takes, see [`Barycentric::magnitude`], and one that
+/// its sum with another takes.
 const EVALUATED: f64 = 6.0;
 /// The rounding of an f32.
 const ROUNDING: f64 = UNIT_ROUNDOFF as f64;

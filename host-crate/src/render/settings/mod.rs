@@ -15,6 +15,7 @@ use crate::scene::{FilmSize, Scene};
 use raystream_shaders::integrator::params::{self, PathParams};
 use raystream_shaders::math::random;
 use raystream_shaders::scene::SceneParams;
+use raystream_shaders::scene::environment::{EnvironmentHeader, NO_ENVIRONMENT};
 use raystream_shaders::scene::ray::OFFSET_ROUNDINGS;
 
 /// What a render computes; the same on every device.
@@ -28,8 +29,8 @@ pub struct Settings {
     pub independent_sampler: bool,
     /// Longest path in segments, at least 1.
     pub max_depth: u32,
-    /// Segment after which Russian roulette may end any path, and not only dim ones, which have less
-    /// than a quarter of their throughput left; above `max_depth` for no roulette.
+    /// Segment after which Russian roulette may end any path, and not only dim ones, which have
+    /// less than a quarter of their throughput left; above `max_depth` for no roulette.
     pub roulette_depth: u32,
     /// How path tracers look for light; `lvc` goes by [`LightCacheSettings::techniques`].
     pub techniques: Techniques,
@@ -116,6 +117,21 @@ impl Settings {
 }
 
 impl PreparedScene {
+    /// The environment's header that a render reads.
+    ///
+    /// Where directions from BSDFs find the environment as well, light samples are not to be where
+    /// those do well: the compensated distribution leaves out what is no brighter than the mean
+    /// (Karlik, Šik, Vévoda, Skřivan, Křivánek, "MIS Compensation: Optimizing Sampling Techniques
+    /// in Multiple Importance Sampling", SIGGRAPH Asia 2019). Whoever goes by light samples alone,
+    /// as the light paths of `lvc` do, needs the whole.
+    fn environment_header(&self, settings: &Settings) -> u32 {
+        let plain = self.params.environment;
+        let finds_all =
+            settings.techniques == Techniques::Both && settings.integrator != IntegratorKind::Lvc;
+        let compensated = plain != NO_ENVIRONMENT && finds_all;
+        if compensated { plain + EnvironmentHeader::WORDS } else { plain }
+    }
+
     /// What the tracing kernels need to know beside the scene; `threads` is 0.
     pub fn parameters(&self, settings: &Settings) -> PathParams {
         PathParams {
@@ -130,7 +146,11 @@ impl PreparedScene {
                 Techniques::BsdfSampling => params::BSDF_SAMPLING_ALONE,
             },
             camera: camera(&self.camera, settings.size),
-            scene: SceneParams { offset_roundings: settings.ray_offset, ..self.params },
+            scene: SceneParams {
+                offset_roundings: settings.ray_offset,
+                environment: self.environment_header(settings),
+                ..self.params
+            },
             pad0: 0,
             pad1: 0,
         }

@@ -1,7 +1,7 @@
 //! The rule that a scene file gives for a material.
 
-use super::values::{Colour, Ior, Radiance};
-use crate::scene::material::Material;
+use super::values::{Colour, Ior, Radiance, Share};
+use crate::scene::material::{Material, Principled, Reflectance};
 use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::rule::{MaterialRule, TexturedRule};
 use glam::Vec3;
@@ -35,7 +35,16 @@ struct MaterialKeys {
     ior: Option<Ior>,
     #[serde(default, deserialize_with = "present")]
     transmittance: Option<Colour>,
+    #[serde(default, deserialize_with = "present")]
+    metallic: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    roughness: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    transmission: Option<Share>,
 }
+
+/// The keys that principled materials alone have.
+const OF_PRINCIPLED: [&str; 3] = ["metallic", "roughness", "transmission"];
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -44,6 +53,7 @@ enum MaterialKind {
     Mirror,
     Dielectric,
     Emissive,
+    Principled,
     Null,
 }
 
@@ -60,16 +70,16 @@ impl TryFrom<MaterialKeys> for FileMaterial {
     fn try_from(keys: MaterialKeys) -> Result<Self, String> {
         let white = Colour(Vec3::ONE);
         let plain = |material| Ok(Self(MaterialRule::Plain(material)));
+        let textured = |material, path| {
+            let map = TextureMap::default();
+            Ok(Self(MaterialRule::Textured(TexturedRule { material, path, map, otherwise: None })))
+        };
         match keys.kind {
             MaterialKind::Diffuse => {
                 keys.refuse("a diffuse", &["radiance", "ior", "transmittance"])?;
                 match needed("a diffuse", "reflectance", keys.reflectance)? {
                     Albedo::Colour(Colour(colour)) => plain(Material::diffuse(colour)),
-                    Albedo::Texture(path) => {
-                        let map = TextureMap::default();
-                        let rule = TexturedRule { path, map, otherwise: None };
-                        Ok(Self(MaterialRule::Textured(rule)))
-                    }
+                    Albedo::Texture(path) => textured(Material::diffuse(Vec3::ONE), path),
                 }
             }
             MaterialKind::Mirror => {
@@ -93,6 +103,16 @@ impl TryFrom<MaterialKeys> for FileMaterial {
                     reflectance: colour("an emissive", keys.reflectance)?.unwrap_or(black).0,
                 })
             }
+            MaterialKind::Principled => {
+                keys.refuse("a principled", &["transmittance"])?;
+                let (material, reflectance) = keys.principled();
+                match needed("a principled", "reflectance", reflectance)? {
+                    Albedo::Colour(Colour(colour)) => {
+                        plain(material.with_reflectance(Reflectance::Colour(colour)))
+                    }
+                    Albedo::Texture(path) => textured(material, path),
+                }
+            }
             MaterialKind::Null => {
                 let all = ["reflectance", "radiance", "ior", "transmittance"];
                 keys.refuse("a null", &all)?;
@@ -103,15 +123,36 @@ impl TryFrom<MaterialKeys> for FileMaterial {
 }
 
 impl MaterialKeys {
-    /// Fails if one of these keys is given.
+    /// A principled material but for its reflectance, and that.
+    fn principled(self) -> (Material, Option<Albedo>) {
+        let share = |key: Option<Share>, default| key.map_or(default, |Share(share)| share);
+        let plain = Principled::paint(Vec3::ONE, share(self.roughness, 0.5));
+        let material = Principled {
+            metallic: share(self.metallic, plain.metallic),
+            transmission: share(self.transmission, plain.transmission),
+            ior: self.ior.map_or(plain.ior, |Ior(ior)| ior),
+            emission: self.radiance.map_or(plain.emission, |Radiance(radiance)| radiance),
+            ..plain
+        };
+        (Material::Principled(material), self.reflectance)
+    }
+
+    /// Fails if one of these keys is given, or one that only principled materials have.
     fn refuse(&self, kind: &str, keys: &[&str]) -> Result<(), String> {
         let is_given = |key: &str| match key {
             "reflectance" => self.reflectance.is_some(),
             "radiance" => self.radiance.is_some(),
             "ior" => self.ior.is_some(),
-            _ => self.transmittance.is_some(),
+            "transmittance" => self.transmittance.is_some(),
+            "metallic" => self.metallic.is_some(),
+            "roughness" => self.roughness.is_some(),
+            _ => self.transmission.is_some(),
         };
-        match keys.iter().find(|key| is_given(key)) {
+        let others = match self.kind {
+            MaterialKind::Principled => [].iter(),
+            _ => OF_PRINCIPLED.iter(),
+        };
+        match keys.iter().chain(others).find(|key| is_given(key)) {
             Some(key) => Err(format!("{kind} material has no key `{key}`")),
             None => Ok(()),
         }
@@ -126,9 +167,9 @@ fn needed<T>(kind: &str, key: &str, value: Option<T>) -> Result<T, String> {
 /// The reflectance, if given, of a material that cannot have a texture.
 fn colour(kind: &str, reflectance: Option<Albedo>) -> Result<Option<Colour>, String> {
     match reflectance {
-        Some(Albedo::Texture(_)) => {
-            Err(format!("reflectance: only a diffuse material can have a texture, not {kind} one"))
-        }
+        Some(Albedo::Texture(_)) => Err(format!(
+            "reflectance: only diffuse and principled materials can have a texture, not {kind} one"
+        )),
         Some(Albedo::Colour(colour)) => Ok(Some(colour)),
         None => Ok(None),
     }

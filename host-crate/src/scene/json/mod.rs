@@ -17,7 +17,7 @@ use self::names::Names;
 use self::parts::Parts;
 use self::values::Object;
 use super::bounds;
-use super::description::Scene;
+use super::description::{DARK, Scene};
 use super::error::SceneError;
 use super::obj::{Obj, Part};
 use super::options::LoadOptions;
@@ -116,10 +116,7 @@ fn warn_of_the_whole(path: &Path, origin: DVec3, scene: &mut Scene) {
         ));
     }
     if !scene.emits() {
-        scene.warnings.push(format!(
-            "{path}: nothing emits light, the picture will be black; add `quads` or an emissive \
-             material."
-        ));
+        scene.warnings.push(format!("{path}: {DARK}"));
     }
 }
 

@@ -10,7 +10,7 @@ use super::values::Object;
 use crate::scene::bounds::MAX_COORDINATE;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
-use crate::scene::material::{Material, MaterialId};
+use crate::scene::material::{Material, MaterialId, Reflectance};
 use crate::scene::obj::mtl::{self, Describer, Library};
 use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::obj::{Obj, Part};
@@ -55,6 +55,8 @@ enum Surface {
 /// A material with a texture.
 #[derive(Clone, Copy)]
 struct Textured {
+    /// What it is but for its colour.
+    material: Material,
     texture: TextureId,
     map: TextureMap,
     /// Of triangles with texture coordinates, and of those without.
@@ -140,16 +142,18 @@ impl<'a> Parts<'a> {
         part: &Part,
         scene: &mut Scene,
     ) -> MaterialId {
-        let Textured { texture, materials: [with, without], .. } = textured;
+        let Textured { material, texture, materials: [with, without], .. } = textured;
         if part.has_texture_coordinates {
-            return *with.get_or_insert_with(|| scene.add_material(Material::textured(*texture)));
+            let material = material.with_reflectance(Reflectance::Texture(*texture));
+            return *with.get_or_insert_with(|| scene.add_material(material));
         }
         let faces = if part.faces == 1 { "face" } else { "faces" };
         let (line, thing) = (part.first_line, format!("{} {faces}", part.faces));
         let name = part.material.to_string();
         self.summary.note(self.obj_path, line, Fate::MeanOfTexture, &thing, &name);
         let mean = self.pictures.textures[texture.0 as usize].mean();
-        *without.get_or_insert_with(|| scene.add_material(Material::diffuse(mean)))
+        let material = material.with_reflectance(Reflectance::Colour(mean));
+        *without.get_or_insert_with(|| scene.add_material(material))
     }
 
     /// What a material is, by the scene file, or else by an MTL.
@@ -195,13 +199,18 @@ impl<'a> Parts<'a> {
                     let thing = format!("alpha of {}", rule.path.display());
                     self.summary.note(path, line, Fate::Opaque, &thing, &name);
                 }
-                let materials = [None; 2];
-                Ok(Surface::Textured(Textured { texture, map: rule.map, materials }))
+                Ok(Surface::Textured(Textured {
+                    material: rule.material,
+                    texture,
+                    map: rule.map,
+                    materials: [None; 2],
+                }))
             }
             (Err(error), Some(otherwise)) => {
                 let thing = error.to_string();
                 self.summary.note(path, line, Fate::UnreadableTexture, &thing, &name);
-                let material = Material::diffuse(otherwise.reflectance);
+                let colour = Reflectance::Colour(otherwise.reflectance);
+                let material = rule.material.with_reflectance(colour);
                 Ok(Surface::Plain(scene.add_material(material)))
             }
             (Err(error), None) => Err(error),

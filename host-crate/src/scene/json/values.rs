@@ -60,6 +60,8 @@ checked! {
     Place(DVec3) = |v: Vec<f64>| bounds::place(&v), of Vec<f64> as "Vec<f64>";
     /// A share of light: linear Rec.709, each component in [0, 1].
     Colour(Vec3) = |v: Vec<f64>| bounds::reflectance(&v), of Vec<f64> as "Vec<f64>";
+    /// A share of something, in [0, 1].
+    Share(f32) = bounds::share, of f64 as "f64";
     /// Emitted light: linear Rec.709, no component negative.
     Radiance(Vec3) = |v: Vec<f64>| bounds::radiance(&v), of Vec<f64> as "Vec<f64>";
     /// An index of refraction.

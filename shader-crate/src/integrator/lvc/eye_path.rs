@@ -6,8 +6,8 @@
 use super::cache::LightCache;
 use super::light_vertex::LightVertex;
 use super::mis::{
-    Join, Subpath, TechniqueSamples, connection_weight, cosine, emission_weight, lambert,
-    light_weight,
+    Join, Subpath, TechniqueSamples, connection_weight, cosine, emission_weight,
+    environment_weight, lambert, light_weight,
 };
 use super::{LvcParams, MAX_CONNECTIONS};
 use crate::film::Contribution;
@@ -18,6 +18,7 @@ use crate::math::is_finite_vector;
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, unit_float};
 use crate::memory::access::at;
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
 
@@ -28,7 +29,7 @@ const DRAWS: u32 = 1 << 31;
 pub fn trace_eye_paths(
     lane: u32,
     params: &LvcParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     slots: &[Slot],
     cache: &[UVec4],
     contribution: &mut Contribution,
@@ -41,10 +42,10 @@ pub fn trace_eye_paths(
 
 /// What eye paths are traced with.
 #[derive(Clone, Copy)]
-struct EyeTracer<'a> {
+struct EyeTracer<'a, A> {
     params: &'a LvcParams,
     samples: TechniqueSamples,
-    scene: SceneView<'a>,
+    scene: SceneView<'a, A>,
     cache: LightCache<'a>,
 }
 
@@ -55,12 +56,15 @@ struct EyePath {
     /// Product of the weights so far.
     throughput: Vec3,
     subpath: Subpath,
+    /// Whether the vertex before may be connected with light vertices: the camera and what is
+    /// diffuse.
+    connects: bool,
     /// What has been gathered.
     radiance: Vec3,
     rays: u32,
 }
 
-impl EyeTracer<'_> {
+impl<A: Abilities> EyeTracer<'_, A> {
     /// The contribution of one slot.
     fn trace(&self, slot: Slot) -> Contribution {
         let numbers = self.params.path.numbers(slot);
@@ -69,6 +73,7 @@ impl EyeTracer<'_> {
             ray,
             throughput: Vec3::ONE,
             subpath: Subpath::from_camera(self.params.path.camera.pdf(ray.direction)),
+            connects: true,
             radiance: Vec3::ZERO,
             rays: 0,
         };
@@ -88,6 +93,7 @@ impl EyeTracer<'_> {
         if !hit.is_some() {
             // No other technique finds the background.
             path.radiance += path.throughput * self.scene.background;
+            self.add_environment(path, depth);
             return false;
         }
         let surface = Surface::at(&self.scene.surfaces, &path.ray, &hit);
@@ -104,15 +110,19 @@ impl EyeTracer<'_> {
         }
         let vertex = depth - 1;
         let [choice, roulette] = numbers.bits(of_vertex(vertex, CHOICES));
-        let without = self.samples.without_last_of(depth);
+        let is_diffuse = surface.bsdf.is_diffuse();
+        let connects = is_diffuse && path.connects;
+        let without = if connects { self.samples.without_last_of(depth) } else { 0.0 };
+        path.connects = is_diffuse;
         if !surface.bsdf.is_delta() {
-            let back = lambert(cosine(surface.bsdf.normal, incoming));
-            let norm = path.subpath.norm(without, back);
             if !self.scene.lights.is_empty() && self.samples.light > 0.0 {
-                let point = numbers.pair(of_vertex(vertex, LIGHT_POINT));
-                self.sample_light(path, &surface, norm, choice, point);
+                let point = numbers.bits(of_vertex(vertex, LIGHT_POINT));
+                self.sample_light(path, &surface, without, choice, point);
             }
-            if self.params.connections > 0 && surface.bsdf.reflectance.max_element() > 0.0 {
+            let is_lit = is_diffuse && surface.bsdf.reflectance.max_element() > 0.0;
+            if self.params.connections > 0 && is_lit {
+                let back = lambert(cosine(surface.bsdf.normal, incoming));
+                let norm = path.subpath.norm(without, back);
                 self.connect(path, &surface, norm, numbers, depth);
             }
         }
@@ -127,15 +137,26 @@ impl EyeTracer<'_> {
         true
     }
 
-    /// Next-event estimation: adds what a sampled point of a light sends to a surface, whose
-    /// subpath has this [`norm`](Subpath::norm).
+    /// Adds what comes from the environment at the end of segment number `depth`, which left the
+    /// scene.
+    fn add_environment(&self, path: &mut EyePath, depth: u32) {
+        if self.scene.lights.has_environment() {
+            let environment = &self.scene.lights.environment;
+            let (pdf, disc_area) = (environment.pdf(path.ray.direction), environment.disc_area());
+            let weight = environment_weight(&self.samples, &path.subpath, depth, pdf, disc_area);
+            path.radiance += path.throughput * environment.radiance(path.ray.direction) * weight;
+        }
+    }
+
+    /// Next-event estimation: adds what a sampled point of a light sends to a surface. There are
+    /// `without` samples of the technique without the surface.
     fn sample_light(
         &self,
         path: &mut EyePath,
-        surface: &Surface,
-        norm: f32,
+        surface: &Surface<'_, impl Abilities>,
+        without: f32,
         choice: u32,
-        point: [f32; 2],
+        point: [u32; 2],
     ) {
         let incoming = path.ray.direction;
         let event = NextEvent::sample(&self.scene.lights, surface, incoming, choice, point);
@@ -144,9 +165,16 @@ impl EyeTracer<'_> {
         }
         let light = &event.light;
         let cosine_here = cosine(surface.point.normal, light.direction);
-        let distance2 = light.distance * light.distance;
-        let emission_pdf = lambert(light.cosine);
-        let join = Join::new(distance2, cosine_here, event.bsdf_pdf, light.cosine, emission_pdf);
+        let join = if light.is_distant {
+            let disc_area = self.scene.lights.environment.disc_area();
+            Join::to_environment(cosine_here, event.bsdf_pdf, disc_area)
+        } else {
+            let distance2 = light.distance * light.distance;
+            let emission_pdf = lambert(light.cosine);
+            Join::new(distance2, cosine_here, event.bsdf_pdf, light.cosine, emission_pdf)
+        };
+        let back = surface.bsdf.pdf_back(incoming, light.direction);
+        let norm = path.subpath.norm(without, back);
         let weight = light_weight(&self.samples, &join, norm, light.area_pdf);
         self.add_unless_occluded(path, &event.segment(surface), event.radiance * weight);
     }
@@ -155,7 +183,7 @@ impl EyeTracer<'_> {
     fn connect(
         &self,
         path: &mut EyePath,
-        surface: &Surface,
+        surface: &Surface<'_, impl Abilities>,
         norm: f32,
         numbers: &RandomNumbers,
         depth: u32,
@@ -181,7 +209,7 @@ impl EyeTracer<'_> {
     fn connect_to(
         &self,
         path: &mut EyePath,
-        surface: &Surface,
+        surface: &Surface<'_, impl Abilities>,
         norm: f32,
         light: &LightVertex,
         scale: f32,

@@ -13,7 +13,9 @@ use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, hash, of_ve
 use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::Scatter;
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 use crate::scene::bsdf::BsdfSample;
+use crate::scene::environment::{EnvironmentSample, EnvironmentView};
 use crate::scene::light::LightView;
 use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
@@ -24,7 +26,7 @@ use core::f32::consts::{FRAC_1_PI, PI};
 pub fn trace_light_paths(
     lane: u32,
     params: &LvcParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     count: &mut u32,
     scratch: &mut Scatter<'_, UVec4>,
 ) {
@@ -40,14 +42,19 @@ pub fn trace_light_paths(
         }
         let surface = Surface::at(&scene.surfaces, &path.ray, &hit);
         path.arrive(&surface, hit.t);
-        if !surface.bsdf.is_delta() && surface.bsdf.reflectance.max_element() > 0.0 {
+        let is_diffuse = surface.bsdf.is_diffuse();
+        // A glossy surface may be connected with the light itself alone.
+        let connects = segment == 1 || is_diffuse && path.connects;
+        let without = if connects { samples.of(segment) } else { 0.0 };
+        path.connects = is_diffuse;
+        if is_diffuse && surface.bsdf.reflectance.max_element() > 0.0 {
             if params.vertices_per_path > 0 {
                 let place = lane * params.vertices_per_path + vertices;
-                path.vertex(&samples, &surface, segment).store(scratch, place * ROWS_PER_VERTEX);
+                path.vertex(without, &surface, segment).store(scratch, place * ROWS_PER_VERTEX);
             }
             vertices += 1;
         }
-        if !path.extend(params, &samples, &surface, &numbers, segment) {
+        if !path.extend(params, without, &surface, &numbers, segment) {
             break;
         }
         segment += 1;
@@ -74,12 +81,25 @@ struct LightPath {
     /// Product of the weights so far.
     throughput: Vec3,
     subpath: Subpath,
+    /// Whether the vertex before may be connected with what eye paths meet: those on a light and
+    /// on what is diffuse.
+    connects: bool,
+    /// Whether the segment is the first of a path from the environment.
+    is_from_infinity: bool,
 }
 
 impl LightPath {
-    fn emit(samples: &TechniqueSamples, lights: &LightView<'_>, numbers: &RandomNumbers) -> Self {
+    fn emit(
+        samples: &TechniqueSamples,
+        lights: &LightView<'_, impl Abilities>,
+        numbers: &RandomNumbers,
+    ) -> Self {
         let [choice, _] = numbers.bits(of_vertex(0, CHOICES));
-        let light = lights.point(choice, numbers.pair(of_vertex(0, LIGHT_POINT)));
+        let index = lights.choose(choice);
+        if lights.is_environment(index) {
+            return Self::from_environment(samples, &lights.environment, numbers);
+        }
+        let light = lights.point_on(index, numbers.pair(of_vertex(0, LIGHT_POINT)));
         let direction = sample_cosine_hemisphere(light.normal, numbers.pair(of_vertex(0, BSDF)));
         let point = light.point(lights.offset_roundings);
         Self {
@@ -89,34 +109,66 @@ impl LightPath {
             throughput: Vec3::ONE,
             subpath: Subpath::from_light(light.pdf)
                 .emit(cosine(light.normal, direction), samples.emission),
+            connects: true,
+            is_from_infinity: false,
         }
     }
 
-    fn arrive(&mut self, surface: &Surface, distance: f32) {
+    /// From infinity, through the disc that the scene is seen as from there.
+    fn from_environment(
+        samples: &TechniqueSamples,
+        environment: &EnvironmentView<'_>,
+        numbers: &RandomNumbers,
+    ) -> Self {
+        let EnvironmentSample { direction, pdf } =
+            environment.sample(numbers.bits(of_vertex(0, LIGHT_POINT)));
+        let start = environment.disc_point(direction, numbers.pair(of_vertex(0, BSDF)));
+        let disc_area = environment.disc_area();
+        Self {
+            ray: Ray::new(start, -direction),
+            // Radiance over both densities.
+            flux: environment.radiance(direction) * (disc_area / pdf),
+            throughput: Vec3::ONE,
+            subpath: Subpath::from_environment(pdf, disc_area, samples.emission),
+            connects: true,
+            is_from_infinity: true,
+        }
+    }
+
+    fn arrive(&mut self, surface: &Surface<'_, impl Abilities>, distance: f32) {
+        let distance = if self.is_from_infinity { 1.0 } else { distance };
+        self.is_from_infinity = false;
         self.subpath =
             self.subpath.arrive(distance, cosine(surface.point.normal, self.ray.direction));
     }
 
-    /// The vertex at a diffuse surface, after this many segments.
-    fn vertex(&self, samples: &TechniqueSamples, surface: &Surface, segments: u32) -> LightVertex {
+    /// The vertex at a diffuse surface, after this many segments. There are `without` samples of
+    /// the technique without it.
+    fn vertex(
+        &self,
+        without: f32,
+        surface: &Surface<'_, impl Abilities>,
+        segments: u32,
+    ) -> LightVertex {
         let from = cosine(surface.bsdf.normal, self.ray.direction);
         let bent = from / cosine(surface.point.normal, self.ray.direction);
         LightVertex {
             position: surface.point.position,
             geometric: surface.point.normal,
-            norm: self.subpath.norm(samples.of(segments), lambert(from)),
+            norm: self.subpath.norm(without, lambert(from)),
             normal: surface.bsdf.normal,
             segments,
             flux: self.flux * self.throughput * surface.bsdf.reflectance * (bent * FRAC_1_PI),
         }
     }
 
-    /// Picks the segment after number `segment`; false where the path ends.
+    /// Picks the segment after number `segment`; false where the path ends. There are `without`
+    /// samples of the technique without the surface.
     fn extend(
         &mut self,
         params: &LvcParams,
-        samples: &TechniqueSamples,
-        surface: &Surface,
+        without: f32,
+        surface: &Surface<'_, impl Abilities>,
         numbers: &RandomNumbers,
         segment: u32,
     ) -> bool {
@@ -125,7 +177,7 @@ impl LightPath {
         let u = numbers.pair(of_vertex(segment, BSDF));
         let sample = surface.bsdf.sample(incoming, u, unit_float(choice));
         self.throughput *= adjoint_weight(surface, incoming, &sample);
-        self.subpath = self.subpath.scatter(surface, incoming, &sample, samples.of(segment));
+        self.subpath = self.subpath.scatter(surface, incoming, &sample, without);
         if !params.path.survives(segment, roulette, &mut self.throughput) {
             return false;
         }
@@ -137,7 +189,11 @@ impl LightPath {
 /// The weight of a direction by the adjoint BSDF (Veach 1997, equation 5.19): what a light path's
 /// throughput is multiplied by where it arrived along `incoming`. Flux that crosses a boundary is
 /// not scaled by the indices of refraction.
-pub fn adjoint_weight(surface: &Surface, incoming: Vec3, sample: &BsdfSample) -> Vec3 {
+pub fn adjoint_weight(
+    surface: &Surface<'_, impl Abilities>,
+    incoming: Vec3,
+    sample: &BsdfSample,
+) -> Vec3 {
     let weight = sample.weight * (sample.eta * sample.eta);
     let (normal, geometric) = (surface.bsdf.normal, surface.point.normal);
     let shading = cosine(normal, incoming) / cosine(normal, sample.direction);

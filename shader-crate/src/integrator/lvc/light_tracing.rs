@@ -18,6 +18,7 @@ use crate::glam::UVec4;
 use crate::math::is_finite_vector;
 use crate::memory::access::Scatter;
 use crate::scene::SceneView;
+use crate::scene::abilities::Abilities;
 use crate::scene::camera::NO_PIXEL;
 use crate::scene::ray::Ray;
 
@@ -26,7 +27,7 @@ use crate::scene::ray::Ray;
 pub fn connect_to_camera(
     lane: u32,
     params: &LvcParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     cache: &[UVec4],
     splats: &mut Scatter<'_, UVec4>,
 ) {
@@ -48,7 +49,7 @@ pub fn connect_to_camera(
 fn splat(
     params: &LvcParams,
     samples: &TechniqueSamples,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     light: &LightVertex,
 ) -> Splat {
     let camera = &params.path.camera;

@@ -1,7 +1,8 @@
 //! A vertex of a light path, in 64 bytes: four `uvec4`s.
 //!
 //! ```text
-//! position xyz, unused | triangle's normal xyz, norm | shading normal xyz, segments | flux xyz, unused
+//! position xyz, unused | triangle's normal xyz, norm | shading normal xyz, segments |
+//! flux xyz, unused
 //! ```
 //!
 //! What the words of a row are, [`crate::memory::rows`] says. What a diffuse surface sends to a

@@ -35,9 +35,15 @@
 //! pinhole, which all techniques share, so it cancels; `b_(K-1)` follows from the density of the
 //! camera's ray within the pixel (see [`Camera::pdf`](crate::scene::camera::Camera::pdf)). It is
 //! left out for `K = 1`: a lamp seen directly is what eye paths find without noise.
+//!
+//! A vertex `x_0` on the environment is a direction, and densities there are per solid angle. Light
+//! from there reaches `x_1` through a disc of area `A` across its direction, so `f_1` is `c_1 / A`,
+//! and `b_0` is the density of the direction as such: in the formulas above the squared distance is
+//! 1, `c_0` is 1, and the density with which light would choose the way to `x_1` is `1 / A`.
 
 use crate::glam::Vec3;
 use crate::math::power_heuristic;
+use crate::scene::abilities::Abilities;
 use crate::scene::bsdf::BsdfSample;
 use crate::scene::surface::Surface;
 use core::f32::consts::FRAC_1_PI;
@@ -127,10 +133,17 @@ impl Subpath {
         Self { adjacent: 1.0 / pdf, earlier: 0.0 }
     }
 
+    /// The environment, where a direction has been chosen with `pdf` per solid angle and the place
+    /// of a ray on its disc, of area `disc_area`; `samples` are those of
+    /// [`TechniqueSamples::emission`]. The segment to the next vertex counts as of length 1.
+    pub fn from_environment(pdf: f32, disc_area: f32, samples: f32) -> Self {
+        Self { adjacent: disc_area, earlier: disc_area * (samples / pdf) }
+    }
+
     /// After a direction under this `cosine` has been chosen on the light with Lambert's density;
     /// `samples` are those of [`TechniqueSamples::emission`].
     pub fn emit(self, cosine: f32, samples: f32) -> Self {
-        self.diffuse(cosine, lambert(cosine), self.norm(samples, 0.0))
+        self.leave(cosine, lambert(cosine), self.norm(samples, 0.0))
     }
 
     /// After the segment to the next vertex, `distance` long, that arrives with this `cosine` to
@@ -151,31 +164,33 @@ impl Subpath {
 
     /// After the direction `sample` has been chosen at `surface`, where the path arrived along
     /// `incoming`; `samples` as in [`Self::norm`].
+    #[inline(always)]
     pub fn scatter(
         self,
-        surface: &Surface,
+        surface: &Surface<'_, impl Abilities>,
         incoming: Vec3,
         sample: &BsdfSample,
         samples: f32,
     ) -> Self {
         let leaving = cosine(surface.point.normal, sample.direction);
-        let from = cosine(surface.bsdf.normal, incoming);
-        let to = cosine(surface.bsdf.normal, sample.direction);
         if sample.pdf > 0.0 {
-            return self.diffuse(leaving, lambert(to), self.norm(samples, lambert(from)));
+            let back = surface.bsdf.pdf_back(incoming, sample.direction);
+            return self.leave(leaving, sample.pdf, self.norm(samples, back));
         }
         // The chances of the lobe are the same from both sides, and what is left of the ratio of
         // two delta distributions is that of the solid angles: 1 for a reflection, and by Snell's
         // law n1^2 cos1 / (n2^2 cos2) for a refraction.
         let mut solid_angles = 1.0;
         if sample.is_transmitted(surface.bsdf.normal) {
+            let from = cosine(surface.bsdf.normal, incoming);
+            let to = cosine(surface.bsdf.normal, sample.direction);
             solid_angles = from / (sample.eta * sample.eta * to);
         }
         Self { adjacent: 0.0, earlier: solid_angles * leaving * self.earlier }
     }
 
-    /// After a direction of density `pdf` has been chosen at a diffuse vertex of this `norm`.
-    fn diffuse(self, leaving: f32, pdf: f32, norm: f32) -> Self {
+    /// After a direction of density `pdf` has been chosen at a vertex of this `norm`.
+    fn leave(self, leaving: f32, pdf: f32, norm: f32) -> Self {
         Self { adjacent: 1.0 / pdf, earlier: leaving / pdf * norm }
     }
 }
@@ -194,6 +209,21 @@ pub fn emission_weight(
     power_heuristic(samples.emission, light_pdf * eye.norm(light, lambert(cosine)))
 }
 
+/// The weight of light of the environment that an eye path of `segments` ran into, whose last
+/// direction has `eye` and would be chosen with `light_pdf` per solid angle; `disc_area` is that of
+/// the scene seen from there.
+pub fn environment_weight(
+    samples: &TechniqueSamples,
+    eye: &Subpath,
+    segments: u32,
+    light_pdf: f32,
+    disc_area: f32,
+) -> f32 {
+    // Nothing connects the environment itself with the camera.
+    let light = if segments == 1 { 0.0 } else { samples.light };
+    power_heuristic(samples.emission, light_pdf * eye.norm(light, 1.0 / disc_area))
+}
+
 /// The segment between the ends of two subpaths that are put together.
 #[derive(Clone, Copy)]
 pub struct Join {
@@ -204,6 +234,13 @@ pub struct Join {
 }
 
 impl Join {
+    /// From a surface to the environment in a direction with this cosine to its triangle's normal,
+    /// which the path from the camera would choose with the density `eye_pdf` per solid angle;
+    /// `disc_area` is that of the scene seen from there.
+    pub fn to_environment(eye_cosine: f32, eye_pdf: f32, disc_area: f32) -> Self {
+        Self { to_light: eye_pdf, to_eye: eye_cosine / disc_area }
+    }
+
     /// Between two surfaces at this squared distance, with the cosines to their triangles' normals
     /// and the densities of the direction to the other per solid angle.
     pub fn new(

@@ -32,7 +32,7 @@ use crate::scene::{SceneParams, TracingParams};
 use mis::TechniqueSamples;
 
 device_struct! {
-    /// What is the same for all paths of a round. 192 bytes.
+    /// What is the same for all paths of a round. 208 bytes.
     pub struct LvcParams {
         /// Light paths to trace, or lanes that share the cache's vertices, or slots.
         pub threads: u32,

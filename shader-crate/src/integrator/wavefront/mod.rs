@@ -34,12 +34,13 @@ use crate::integrator::path::{Path, SampledLight};
 use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
 use crate::parallel::prefix::BLOCK;
+use crate::scene::abilities::Abilities;
 use crate::scene::ray::Ray;
 use crate::scene::{SceneParams, SceneView, TracingParams};
 use pool::{ENDS, Gathered, NO_LIGHT, Pool, Queue};
 
 device_struct! {
-    /// The parameters of one iteration. 176 bytes.
+    /// The parameters of one iteration. 192 bytes.
     pub struct WavefrontParams {
         /// Lanes: the size of the pool.
         pub threads: u32,
@@ -99,7 +100,7 @@ impl WavefrontParams {
 pub fn trace_queue(
     lane: u32,
     params: &WavefrontParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     slots: &[Slot],
     kept: &[u32],
     offsets: &[u32],
@@ -131,7 +132,7 @@ pub fn trace_queue(
 pub fn shade_queue(
     lane: u32,
     params: &WavefrontParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     slots: &[Slot],
     kept: &[u32],
     goes_on: &mut u32,
@@ -176,7 +177,7 @@ pub fn shade_queue(
 pub fn shadow_queue(
     lane: u32,
     params: &WavefrontParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     rows: &mut Scatter<'_, UVec4>,
     contributions: &mut Scatter<'_, Contribution>,
 ) {
@@ -206,7 +207,7 @@ pub fn shadow_queue(
 pub fn finish_queue(
     lane: u32,
     params: &WavefrontParams,
-    scene: &SceneView<'_>,
+    scene: &SceneView<'_, impl Abilities>,
     slots: &[Slot],
     kept: &[u32],
     offsets: &[u32],

@@ -44,7 +44,7 @@ impl Dielectric {
 
 /// Fresnel's reflectance of unpolarised light, from the cosines on both sides and the ratio of the
 /// indices.
-fn fresnel(cos_i: f32, cos_t: f32, eta: f32) -> f32 {
+pub fn fresnel(cos_i: f32, cos_t: f32, eta: f32) -> f32 {
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     0.5 * (parallel * parallel + perpendicular * perpendicular)

@@ -7,14 +7,20 @@
 //! Directions: `incoming` points along the path towards the surface, as the ray that hit it does;
 //! `direction` points away from the surface, where the path goes on. Both have unit length.
 
+pub mod albedo;
 mod dielectric;
 pub mod diffuse;
+pub mod ggx;
 mod mirror;
+pub mod principled;
 
 use crate::glam::{UVec4, Vec3};
 use crate::memory::device_struct;
 use crate::memory::rows::{float, vector};
+use crate::scene::abilities::{Abilities, PRINCIPLED};
+use albedo::AlbedoView;
 use dielectric::Dielectric;
+use principled::{Layers, Principled};
 
 /// Which BSDF a material has.
 #[cfg_attr(
@@ -32,6 +38,8 @@ impl MaterialKind {
     pub const MIRROR: Self = Self(1);
     /// Smooth boundary between vacuum (front) and a medium of index `ior` (back).
     pub const DIELECTRIC: Self = Self(2);
+    /// What [`principled`] says; may emit on the front.
+    pub const PRINCIPLED: Self = Self(3);
 }
 
 device_struct! {
@@ -70,7 +78,16 @@ impl Material {
 
     /// The material at a point with this shading `normal`, which is on the side that the path came
     /// from: `from_outside` says whether that is the front.
-    pub fn bsdf(&self, normal: Vec3, from_outside: bool) -> Bsdf {
+    /// Principled materials have `layers` beside, and look up `albedos`. The scene uses no more
+    /// than `abilities`.
+    pub fn bsdf<'a, F: Abilities>(
+        &self,
+        normal: Vec3,
+        from_outside: bool,
+        layers: Layers,
+        albedos: AlbedoView<'a>,
+        abilities: F,
+    ) -> Bsdf<'a, F> {
         Bsdf {
             kind: self.kind,
             normal,
@@ -78,6 +95,9 @@ impl Material {
             reflectance: self.reflectance,
             transmittance: self.transmittance,
             ior: self.ior,
+            layers,
+            albedos,
+            abilities,
         }
     }
 
@@ -113,7 +133,7 @@ impl BsdfSample {
 
 /// A material at a point of a surface.
 #[derive(Clone, Copy)]
-pub struct Bsdf {
+pub struct Bsdf<'a, F> {
     /// Which one.
     pub kind: MaterialKind,
     /// Shading normal, unit length, on the side of the shading frame that the path came from.
@@ -126,19 +146,47 @@ pub struct Bsdf {
     pub transmittance: Vec3,
     /// See [`Material::ior`].
     pub ior: f32,
+    /// What a principled material has beside these.
+    pub layers: Layers,
+    /// The tables of a principled material.
+    pub albedos: AlbedoView<'a>,
+    /// What the scene uses.
+    pub abilities: F,
 }
 
-impl Bsdf {
+impl<F: Abilities> Bsdf<'_, F> {
     /// Whether all of it is delta distributions: no direction but a sampled one carries any light,
     /// so that looking for lights from here is in vain.
     pub fn is_delta(&self) -> bool {
-        self.kind.0 != MaterialKind::DIFFUSE.0
+        self.kind.0 != MaterialKind::DIFFUSE.0 && !self.is_principled()
+    }
+
+    /// Whether all of it is Lambert's law: what it sends on depends on where light came from
+    /// through its flux alone.
+    pub fn is_diffuse(&self) -> bool {
+        self.kind.0 == MaterialKind::DIFFUSE.0
+    }
+
+    fn is_principled(&self) -> bool {
+        self.abilities.has(PRINCIPLED) && self.kind.0 == MaterialKind::PRINCIPLED.0
+    }
+
+    fn eval_principled(&self, incoming: Vec3, direction: Vec3) -> BsdfSample {
+        self.principled().eval(self.normal, self.from_outside, incoming, direction)
+    }
+
+    fn principled(&self) -> Principled<'_> {
+        let Self { reflectance, layers, ior, albedos, .. } = *self;
+        Principled { colour: reflectance, layers, ior, albedos }
     }
 
     /// What it says of a given `direction`. Density 0: no light comes from there. Delta
     /// distributions are left out.
     #[inline(always)]
     pub fn eval(&self, incoming: Vec3, direction: Vec3) -> BsdfSample {
+        if self.is_principled() {
+            return self.eval_principled(incoming, direction);
+        }
         BsdfSample {
             direction,
             weight: self.reflectance,
@@ -150,13 +198,38 @@ impl Bsdf {
     /// The density, per solid angle, with which [`Self::sample`] picks `direction`; delta
     /// distributions are left out.
     #[inline(always)]
-    pub fn pdf(&self, _incoming: Vec3, direction: Vec3) -> f32 {
-        if self.is_delta() { 0.0 } else { diffuse::pdf(self.normal, direction) }
+    pub fn pdf(&self, incoming: Vec3, direction: Vec3) -> f32 {
+        if self.is_principled() {
+            self.eval_principled(incoming, direction).pdf
+        } else if self.is_delta() {
+            0.0
+        } else {
+            diffuse::pdf(self.normal, direction)
+        }
+    }
+
+    /// The density with which a path that arrives from `direction` goes on back along `incoming`;
+    /// delta distributions are left out.
+    #[inline(always)]
+    pub fn pdf_back(&self, incoming: Vec3, direction: Vec3) -> f32 {
+        let crosses = direction.dot(self.normal) < 0.0;
+        let normal = if crosses { -self.normal } else { self.normal };
+        if self.is_principled() {
+            let from_outside = self.from_outside != crosses;
+            self.principled().eval(normal, from_outside, -direction, -incoming).pdf
+        } else if self.is_delta() {
+            0.0
+        } else {
+            diffuse::pdf(normal, -incoming)
+        }
     }
 
     /// The direction in which a path goes on, from uniform numbers in [0, 1) for the direction
     /// (`u`) and for the choice of the lobe.
     pub fn sample(&self, incoming: Vec3, u: [f32; 2], lobe: f32) -> BsdfSample {
+        if self.is_principled() {
+            return self.principled().sample(self.normal, self.from_outside, incoming, u, lobe);
+        }
         match self.kind {
             MaterialKind(0) => diffuse::sample(self.reflectance, self.normal, u),
             MaterialKind(2) => Dielectric {

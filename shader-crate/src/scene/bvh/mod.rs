@@ -10,9 +10,9 @@
 //! still to test).
 //!
 //! **The hit is a definition**, and not what an order of visits makes of it: of the triangles that
-//! [`Planes::intersect`] finds in front of a ray, the one with the least distance, and of those with
-//! the same distance the one that comes first in the scene. Boxes are wide enough for that (see
-//! [`BoxRay`]), so every traversal of every hierarchy finds the same, and so does testing all
+//! [`Planes::intersect`] finds in front of a ray, the one with the least distance, and of those
+//! with the same distance the one that comes first in the scene. Boxes are wide enough for that
+//! (see [`BoxRay`]), so every traversal of every hierarchy finds the same, and so does testing all
 //! triangles.
 
 pub mod node;
@@ -42,8 +42,8 @@ pub struct BvhView<'a> {
 
 impl<'a> BvhView<'a> {
     /// Wraps the buffer of the nodes and, from row `first_planes` on, the triangles and, from row
-    /// `first_order` on, the number of each in the scene, four to a row. There is at least the root,
-    /// no path is longer than [`MAX_DEPTH`], and all indices are in range.
+    /// `first_order` on, the number of each in the scene, four to a row. There is at least the
+    /// root, no path is longer than [`MAX_DEPTH`], and all indices are in range.
     pub fn new(rows: &'a [UVec4], first_planes: u32, first_order: u32) -> Self {
         Self { rows, first_planes, first_order }
     }
@@ -128,8 +128,8 @@ impl<'a> BvhView<'a> {
         }
     }
 
-    /// Makes triangle number `index`, whose planes these are, the hit of `ray` where it is the nearer
-    /// one or, unless any will do, as near and earlier in the scene.
+    /// Makes triangle number `index`, whose planes these are, the hit of `ray` where it is the
+    /// nearer one or, unless any will do, as near and earlier in the scene.
     #[inline(always)]
     pub fn test<const ANY_HIT: bool>(&self, planes: &Planes, ray: &Ray, index: u32, hit: &mut Hit) {
         let (t, u, v) = planes.intersect(ray.origin, ray.direction);

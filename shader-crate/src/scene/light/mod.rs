@@ -1,10 +1,13 @@
-//! Emissive triangles, chosen by power.
+//! Lights, chosen by power: emissive triangles, and the environment.
 
 use crate::glam::{UVec4, Vec3};
+use crate::math::random::unit_float;
 use crate::math::wide::{Wide, multiply};
 use crate::memory::device_struct;
 use crate::memory::rows::{five_rows, float, vector};
+use crate::scene::abilities::{Abilities, ENVIRONMENT};
 use crate::scene::bvh::planes::Plane;
+use crate::scene::environment::{EnvironmentSample, EnvironmentView};
 use crate::scene::ray::SurfacePoint;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -96,7 +99,9 @@ impl LightPoint {
 pub struct LightSample {
     /// From the point to the light, unit length.
     pub direction: Vec3,
-    /// How far it is, in world units.
+    /// Whether it is at infinity.
+    pub is_distant: bool,
+    /// How far it is, in world units; 1 at infinity.
     pub distance: f32,
     /// What the light sends back along the direction, linear Rec.709.
     pub radiance: Vec3,
@@ -105,36 +110,53 @@ pub struct LightSample {
     pub pdf: f32,
     /// Whether no other technique than choosing lights can find this one.
     pub is_delta: bool,
-    /// Density of the light's point per area in world units, choice included.
+    /// Density of the light's point per area in world units, choice included; at infinity [`pdf`](
+    /// Self::pdf), per solid angle.
     pub area_pdf: f32,
-    /// Cosine between the direction back and the light's normal.
+    /// Cosine between the direction back and the light's normal; 1 at infinity.
     pub cosine: f32,
-    /// Where a ray that tests the visibility ends: off the light's surface.
+    /// Where a ray that tests the visibility ends: off the light's surface, or behind all others.
     pub end: Vec3,
 }
 
 /// The lights of a scene.
 #[derive(Clone, Copy)]
-pub struct LightView<'a> {
+pub struct LightView<'a, A> {
     /// The scene's buffer `surfaces`, see [`crate::scene`].
     pub rows: &'a [UVec4],
     /// Row of the first light.
     pub first: u32,
-    /// How many there are.
+    /// How many there are, the environment included, which is the last.
     pub count: u32,
     /// See [`crate::scene::SceneParams::total_importance`].
     pub total_importance: f32,
     /// See [`crate::scene::SceneParams::offset_roundings`].
     pub offset_roundings: f32,
+    /// The environment, if there is one.
+    pub environment: EnvironmentView<'a>,
+    /// What the scene uses.
+    pub abilities: A,
 }
 
-impl LightView<'_> {
+impl<A: Abilities> LightView<'_, A> {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// The light number `index`.
+    /// Whether there is an environment.
+    #[inline(always)]
+    pub fn has_environment(&self) -> bool {
+        self.abilities.has(ENVIRONMENT) && self.environment.is_some()
+    }
+
+    /// Whether the light number `index` is the environment, not a triangle.
+    #[inline(always)]
+    pub fn is_environment(&self, index: u32) -> bool {
+        self.has_environment() && index + 1 == self.count
+    }
+
+    /// The light number `index`, a triangle or what chooses the environment.
     pub fn light(&self, index: u32) -> Light {
         Light::from_rows(five_rows(self.rows, self.first + index * Light::ROWS))
     }
@@ -146,13 +168,8 @@ impl LightView<'_> {
         if fraction >> 8 < light.threshold { column } else { light.alias }
     }
 
-    /// A uniform point of a light that is chosen by 32 random `bits`, from a uniform point of the
-    /// unit square.
-    pub fn point(&self, bits: u32, u: [f32; 2]) -> LightPoint {
-        self.point_on(self.choose(bits), u)
-    }
-
-    /// A uniform point of the light number `index`, from a uniform point of the unit square.
+    /// A uniform point of the light number `index`, a triangle, from a uniform point of the unit
+    /// square.
     ///
     /// Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
     pub fn point_on(&self, index: u32, u: [f32; 2]) -> LightPoint {
@@ -176,11 +193,36 @@ impl LightView<'_> {
         }
     }
 
-    /// A light for the point `from`, by 32 random `bits` for the light and a uniform point of the
-    /// unit square for the point on it.
+    /// A light for the point `from`, by 32 random bits for the `choice` of the light and 64 for the
+    /// `point` on it.
     #[inline(always)]
-    pub fn sample(&self, from: &SurfacePoint, bits: u32, u: [f32; 2]) -> LightSample {
-        let light = self.point(bits, u);
+    pub fn sample(&self, from: &SurfacePoint, choice: u32, point: [u32; 2]) -> LightSample {
+        let index = self.choose(choice);
+        if self.is_environment(index) {
+            self.sample_environment(from, point)
+        } else {
+            self.sample_triangle(from, index, [unit_float(point[0]), unit_float(point[1])])
+        }
+    }
+
+    fn sample_environment(&self, from: &SurfacePoint, point: [u32; 2]) -> LightSample {
+        let EnvironmentSample { direction, pdf } = self.environment.sample(point);
+        LightSample {
+            direction,
+            is_distant: true,
+            distance: 1.0,
+            radiance: self.environment.radiance(direction),
+            pdf,
+            is_delta: false,
+            area_pdf: pdf,
+            cosine: 1.0,
+            end: self.environment.far_end(from.position, direction),
+        }
+    }
+
+    #[inline(always)]
+    fn sample_triangle(&self, from: &SurfacePoint, index: u32, u: [f32; 2]) -> LightSample {
+        let light = self.point_on(index, u);
         let offset = light.position - from.position;
         let distance2 = offset.length_squared();
         let direction = offset.normalize();
@@ -189,6 +231,7 @@ impl LightView<'_> {
         let end = light.point(self.offset_roundings).end_towards(light.normal, from.position);
         LightSample {
             direction,
+            is_distant: false,
             distance: distance2.sqrt(),
             radiance: light.radiance,
             pdf: if shines { light.pdf * distance2 / cosine } else { 0.0 },
@@ -204,7 +247,7 @@ impl LightView<'_> {
         area_pdf(emission, self.total_importance)
     }
 
-    /// The density per solid angle with which [`Self::sample`] picks the direction to a light of
+    /// The density per solid angle with which [`Self::sample`] picks the direction to a triangle of
     /// this `emission` that was hit at `distance`, under this `cosine` to its normal.
     pub fn pdf_of_hit(&self, emission: Vec3, distance: f32, cosine: f32) -> f32 {
         self.area_pdf(emission) * distance * distance / cosine

@@ -4,7 +4,7 @@ use super::library::{Entry, Library};
 use super::map::MapStatement;
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
-use crate::scene::material::{Material, Reflectance};
+use crate::scene::material::{Material, Principled, Reflectance};
 use crate::scene::rule::{MaterialRule, Otherwise, TexturedRule};
 use crate::scene::source::{Found, Source, find_foreign};
 use crate::scene::summary::{Fate, Summary};
@@ -19,6 +19,9 @@ pub(in crate::scene) const DEFAULT: MaterialRule = MaterialRule::Plain(Material:
 
 const DEFAULT_REFLECTANCE: Vec3 = Vec3::splat(0.5);
 const DEFAULT_IOR: f64 = 1.5;
+const DEFAULT_ROUGHNESS: f64 = 0.5;
+/// Which exponent of a highlight stands for a mirror: the largest of the specification.
+pub(super) const SHARPEST: f64 = 1000.0;
 const MIRROR_MODELS: [i64; 2] = [3, 5];
 pub(super) const GLASS_MODELS: [i64; 4] = [4, 6, 7, 9];
 
@@ -28,6 +31,8 @@ pub(super) enum Surface {
     Lamp,
     Mirror,
     Glass,
+    /// By the keys of physically based materials.
+    Principled,
     Paint,
 }
 
@@ -55,6 +60,13 @@ impl Describer<'_> {
         entry.note_what_has_no_effect(surface, summary);
         let kd = || entry.reflectance("kd", DEFAULT_REFLECTANCE);
         let material = match surface {
+            Surface::Principled => {
+                let principled = Material::Principled(entry.principled()?);
+                if let Some(rule) = self.texture(entry, principled, summary) {
+                    return Ok(MaterialRule::Textured(rule));
+                }
+                principled.with_reflectance(Reflectance::Colour(kd()?))
+            }
             Surface::Lamp => {
                 Material::Emissive { radiance: entry.radiance("ke")?, reflectance: kd()? }
             }
@@ -63,16 +75,24 @@ impl Describer<'_> {
                 let ior = entry.number("ni")?.unwrap_or(DEFAULT_IOR);
                 Material::glass(bounds::ior(ior).map_err(|what| entry.error("ni", what))?)
             }
-            Surface::Paint => match self.texture(entry, summary) {
-                Some(rule) => return Ok(MaterialRule::Textured(rule)),
-                None => Material::diffuse(kd()?),
-            },
+            Surface::Paint => {
+                let paint = Material::diffuse(DEFAULT_REFLECTANCE);
+                if let Some(rule) = self.texture(entry, paint, summary) {
+                    return Ok(MaterialRule::Textured(rule));
+                }
+                Material::diffuse(kd()?)
+            }
         };
         Ok(MaterialRule::Plain(material))
     }
 
-    /// The texture of paint, if it names one that is there.
-    fn texture(&self, entry: &Entry, summary: &mut Summary) -> Option<TexturedRule> {
+    /// The rule of a `material` whose colour is a texture, if the entry names one that is there.
+    fn texture(
+        &self,
+        entry: &Entry,
+        material: Material,
+        summary: &mut Summary,
+    ) -> Option<TexturedRule> {
         let value = entry.keys.get("map_kd")?;
         let mut note = |fate, thing: &str| {
             summary.note(&entry.path, value.line, fate, thing, &entry.name.to_string());
@@ -89,6 +109,7 @@ impl Describer<'_> {
         }
         let reflectance = entry.reflectance("kd", DEFAULT_REFLECTANCE);
         Some(TexturedRule {
+            material,
             path: found.path,
             map: statement.map,
             otherwise: Some(Otherwise {
@@ -135,7 +156,9 @@ impl Entry {
     /// stays paint unless something else speaks for a mirror or for glass.
     fn surface(&self) -> Result<Surface, SceneError> {
         let model = self.number("illum")?.unwrap_or(2.0) as i64;
-        Ok(if self.radiance("ke")? != Vec3::ZERO {
+        Ok(if self.is_principled() {
+            Surface::Principled
+        } else if self.radiance("ke")? != Vec3::ZERO {
             Surface::Lamp
         } else if MIRROR_MODELS.contains(&model) && self.hints("ks").iter().any(|&ks| ks != 0.0) {
             Surface::Mirror
@@ -143,6 +166,29 @@ impl Entry {
             Surface::Glass
         } else {
             Surface::Paint
+        })
+    }
+
+    /// Whether it has the keys of a physically based material: a roughness, or some metal.
+    fn is_principled(&self) -> bool {
+        self.keys.contains_key("pr") || self.hints("pm").first().is_some_and(|&pm| pm != 0.0)
+    }
+
+    /// What those keys say, but for the colour. Where there is no roughness, the exponent of the
+    /// highlight tells it, as Blender writes it: `1000 (1 - roughness)^2`.
+    fn principled(&self) -> Result<Principled, SceneError> {
+        let model = self.number("illum")?.unwrap_or(2.0) as i64;
+        let exponent = self.hints("ns").first().copied();
+        let rough = |ns: f64| 1.0 - (ns / SHARPEST).clamp(0.0, 1.0).sqrt();
+        let is_glass = GLASS_MODELS.contains(&model) && self.is_transparent();
+        let ior = self.number("ni")?.unwrap_or(DEFAULT_IOR);
+        Ok(Principled {
+            metallic: self.share("pm", 0.0)?,
+            roughness: self.share("pr", exponent.map_or(DEFAULT_ROUGHNESS, rough))?,
+            ior: bounds::ior(ior).map_err(|what| self.error("ni", what))?,
+            transmission: f32::from(u8::from(is_glass)),
+            emission: self.radiance("ke")?,
+            ..Principled::paint(DEFAULT_REFLECTANCE, 0.0)
         })
     }
 

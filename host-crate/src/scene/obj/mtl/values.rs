@@ -17,6 +17,12 @@ impl Entry {
         bounds::reflectance(&rounded).map_err(|what| self.error(key, what))
     }
 
+    /// The share of something else than light behind a key.
+    pub(super) fn share(&self, key: &str, default: f64) -> Result<f32, SceneError> {
+        let value = rounded(self.number(key)?.unwrap_or(default), 1.0);
+        bounds::share(value).map_err(|what| self.error(key, what))
+    }
+
     /// The radiance behind a key.
     pub(super) fn radiance(&self, key: &str) -> Result<Vec3, SceneError> {
         let Some(colour) = self.colour(key)? else { return Ok(Vec3::ZERO) };

@@ -1,15 +1,15 @@
 //! What an MTL says of a material and the picture does not show.
 
 use super::library::{Entry, Value};
-use super::rules::{GLASS_MODELS, Surface};
+use super::rules::{GLASS_MODELS, SHARPEST, Surface};
 use crate::scene::summary::{Fate, Summary};
 
 /// Keys of shares and strengths: 0 is as if they were not there.
 const SHARES: [&str; 7] = ["ks", "pm", "ps", "pc", "pcr", "aniso", "anisor"];
+/// What a physically based material reads, or what is there for programs that know none.
+const OF_PRINCIPLED: [&str; 7] = ["kd", "map_kd", "ks", "ns", "pm", "pr", "illum"];
 const OPACITY_MAPS: [&str; 4] = ["map_d", "map_tr", "map_opacity", "map_alpha"];
 const EMISSION_MAPS: [&str; 2] = ["map_ke", "map_emissive"];
-/// Which exponent of a highlight stands for a mirror: the largest of the specification.
-const SHARPEST: f64 = 1000.0;
 
 impl Entry {
     /// Notes what of the material has no effect, it being such a surface.
@@ -33,6 +33,7 @@ impl Entry {
         let is_glass = surface == Surface::Glass;
         match key {
             "kd" if self.is_spectrum("kd") => Some(Fate::WithoutEffect),
+            _ if surface == Surface::Principled && OF_PRINCIPLED.contains(&key) => None,
             "kd" => lost(
                 matches!(surface, Surface::Mirror | Surface::Glass) && !is_zero,
                 Fate::WithoutEffect,
@@ -43,7 +44,6 @@ impl Entry {
             "d" => lost(!is_glass && values.last().is_some_and(|&d| d < 1.0), Fate::Opaque),
             "tr" => self.fate_of_transparency(&values).filter(|_| !is_glass),
             "tf" => lost(is_glass && !is_one, Fate::Unfiltered),
-            "pr" => lost(!is_one || surface != Surface::Paint, Fate::WithoutEffect),
             "map_kd" => lost(surface != Surface::Paint, Fate::WithoutEffect),
             "illum" => self.fate_of_model(surface),
             // The index of what is no glass only shapes a highlight; `sharpness` and `map_aat` say
@@ -82,7 +82,7 @@ impl Entry {
         let is_judged = match surface {
             Surface::Paint => GLASS_MODELS.contains(&model) || matches!(model, 0 | 3 | 5),
             Surface::Lamp => model > 2,
-            Surface::Mirror | Surface::Glass => false,
+            Surface::Mirror | Surface::Glass | Surface::Principled => false,
         };
         is_judged.then_some(Fate::Judged("nothing else speaks for this model of light: "))
     }

@@ -1,0 +1,53 @@
+//! What kernels are able to, beyond what every scene needs: they are compiled for what the scene at
+//! hand uses, and lack the rest.
+//!
+//! A branch that is never taken costs a tracing kernel a tenth of its speed all the same, since its
+//! code takes registers and cache. So a kernel asks [`Abilities::has`], and the answer is there
+//! when it is compiled: on the GPU the word is a specialisation constant, in whose place the host
+//! puts the scene's word before the driver sees the kernel; on the CPU it is a constant parameter.
+
+/// `SpecId` of the constant that holds the word, in every kernel that works on a scene; its default
+/// is 0.
+pub const ABILITIES: u32 = 0;
+
+/// Surfaces have textures.
+pub const TEXTURES: u32 = 1 << 0;
+
+/// An environment lights the scene.
+pub const ENVIRONMENT: u32 = 1 << 1;
+
+/// Surfaces are [principled](crate::scene::bsdf::principled).
+pub const PRINCIPLED: u32 = 1 << 2;
+
+/// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
+pub const BASIC: u32 = TEXTURES;
+/// Every ability.
+pub const ALL: u32 = u32::MAX;
+
+/// The abilities that a kernel is compiled for: at least those that its scene uses.
+pub trait Abilities: Copy + Send + Sync {
+    /// Whether `ability` is one of them, a bit.
+    fn has(self, ability: u32) -> bool;
+}
+
+/// The abilities in a word that a GPU's driver knows when it compiles the kernel.
+#[derive(Clone, Copy)]
+pub struct Specialised(pub u32);
+
+impl Abilities for Specialised {
+    #[inline(always)]
+    fn has(self, ability: u32) -> bool {
+        self.0 & ability != 0
+    }
+}
+
+/// The abilities in the word `WORD`.
+#[derive(Clone, Copy)]
+pub struct Fixed<const WORD: u32>;
+
+impl<const WORD: u32> Abilities for Fixed<WORD> {
+    #[inline(always)]
+    fn has(self, ability: u32) -> bool {
+        WORD & ability != 0
+    }
+}

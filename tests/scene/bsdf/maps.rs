@@ -1,0 +1,111 @@
+//! Textures of principled materials: what they multiply, and normals that they bend.
+
+use super::principled::{arriving, met};
+use glam::{Vec2, Vec3};
+use raystream::render::PreparedScene;
+use raystream::scene::{
+    Camera, Channel, FilmSize, Maps, Material, Mesh, NormalMap, Principled, Scene, Texture,
+};
+use raystream_tests::prepare;
+
+/// What a code of a byte can round.
+const ROUNDING: f32 = 1e-3;
+
+/// A floor of normal +z with a texture of one `texel`, whose `u` grows along `along` and whose `v`
+/// along `across`.
+fn floor(
+    texel: [u8; 4],
+    [along, across]: [Vec2; 2],
+    material: impl Fn(raystream::scene::TextureId) -> Principled,
+) -> PreparedScene {
+    let camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
+    let mut scene = Scene::new(camera, FilmSize { width: 4, height: 3 });
+    let texture = scene.add_texture(Texture { width: 1, height: 1, texels: vec![texel] });
+    let material = scene.add_material(Material::Principled(material(texture)));
+    let corners = [Vec2::new(-9.0, -9.0), Vec2::new(9.0, -9.0), Vec2::new(0.0, 9.0)];
+    let positions = corners.map(|corner| corner.extend(0.0)).to_vec();
+    let mut mesh = Mesh::new(material, positions, vec![[0, 1, 2]]);
+    mesh.texture_coordinates =
+        Some(vec![corners.map(|corner| Vec2::new(corner.dot(along), corner.dot(across)))]);
+    scene.add_mesh(mesh);
+    prepare(&scene)
+}
+
+fn material() -> Principled {
+    Principled { metallic: 0.5, ..Principled::paint(Vec3::new(1.0, 0.5, 0.25), 0.8) }
+}
+
+#[test]
+fn maps_multiply_what_the_material_has() {
+    let floor = floor([128, 51, 204, 255], [Vec2::X, Vec2::Y], |texture| Principled {
+        maps: Maps {
+            base_colour: Some(texture),
+            roughness: Some(Channel { texture, channel: 1 }),
+            metallic: Some(Channel { texture, channel: 2 }),
+            normal: None,
+        },
+        ..material()
+    });
+    let bsdf = met(&floor, arriving(30.0, true));
+    assert!((bsdf.layers.roughness - 0.8 * 0.2).abs() < ROUNDING, "{:?}", bsdf.layers);
+    assert!((bsdf.layers.metallic - 0.5 * 0.8).abs() < ROUNDING, "{:?}", bsdf.layers);
+    // Colours are sRGB, the others are not.
+    let expected = Vec3::new(0.2159, 0.5 * 0.0331, 0.25 * 0.6038);
+    assert!((bsdf.reflectance - expected).abs().max_element() < ROUNDING, "{}", bsdf.reflectance);
+    assert_eq!(bsdf.normal, Vec3::Z);
+}
+
+#[test]
+fn normals_bend_along_the_texture_coordinates() {
+    // Half a unit along u, none along v.
+    let texel = [191, 128, 255, 255];
+    let slope = 2.0 * 191.0 / 255.0 - 1.0;
+    let tilted = |along: Vec2| (along.extend(0.0) * slope + Vec3::Z).normalize();
+    let turned = Vec2::new(0.6, 0.8);
+    for (axes, expected) in [
+        ([Vec2::X, Vec2::Y], tilted(Vec2::X)),
+        ([turned, turned.perp()], tilted(turned)),
+        ([-Vec2::X, Vec2::Y], tilted(-Vec2::X)),
+    ] {
+        for (scale, expected) in [(1.0, expected), (0.0, Vec3::Z)] {
+            let floor = floor(texel, axes, |texture| Principled {
+                maps: Maps { normal: Some(NormalMap { texture, scale }), ..Maps::default() },
+                ..material()
+            });
+            let above = met(&floor, arriving(10.0, true));
+            assert!((above.normal - expected).length() < 0.01, "{axes:?}: {}", above.normal);
+            let below = met(&floor, arriving(10.0, false));
+            assert!((below.normal + expected).length() < 0.01, "{axes:?}: {}", below.normal);
+            assert!(above.from_outside && !below.from_outside);
+        }
+    }
+    // Green along v, which is to the left of u where texture coordinates are mirrored as well.
+    for (axes, expected) in
+        [([Vec2::X, Vec2::Y], tilted(Vec2::Y)), ([Vec2::X, -Vec2::Y], tilted(-Vec2::Y))]
+    {
+        let floor = floor([128, 191, 255, 255], axes, |texture| Principled {
+            maps: Maps { normal: Some(NormalMap { texture, scale: 1.0 }), ..Maps::default() },
+            ..material()
+        });
+        let normal = met(&floor, arriving(10.0, true)).normal;
+        assert!((normal - expected).length() < 0.01, "{axes:?}: {normal}");
+    }
+}
+
+#[test]
+fn no_map_turns_the_seen_side_away() {
+    for texel in [[255, 128, 128, 255], [0, 0, 128, 255], [128, 128, 0, 255]] {
+        let floor = floor(texel, [Vec2::X, Vec2::Y], |texture| Principled {
+            maps: Maps { normal: Some(NormalMap { texture, scale: 2.0 }), ..Maps::default() },
+            ..material()
+        });
+        for degrees in [5.0, 60.0, 89.0] {
+            for is_above in [true, false] {
+                let incoming = arriving(degrees, is_above);
+                let bsdf = met(&floor, incoming);
+                assert_eq!(bsdf.from_outside, is_above, "{texel:?}, {degrees} degrees");
+                assert!(bsdf.normal.dot(incoming) < 0.0, "{texel:?}: {}", bsdf.normal);
+            }
+        }
+    }
+}

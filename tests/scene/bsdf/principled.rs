@@ -1,0 +1,256 @@
+//! The principled material: what it samples, the energy that it keeps, and both directions alike.
+
+use super::specular::reflectance;
+use glam::{DVec3, Vec3};
+use raystream::render::BvhQuality;
+use raystream::render::PreparedScene;
+use raystream::scene::{Camera, FilmSize, Material, Mesh, Principled, Scene};
+use raystream_shaders::math::random::{BSDF, CHOICES, RandomNumbers, SOBOL, unit_float};
+use raystream_shaders::scene::abilities::{ALL, Fixed};
+use raystream_shaders::scene::bsdf::{Bsdf, BsdfSample};
+use raystream_shaders::scene::ray::Ray;
+use raystream_shaders::scene::surface::Surface;
+use raystream_tests::histogram::{SAMPLERS, cell, histogram};
+use raystream_tests::statistics::{assert_chi_square, mean_and_error};
+use std::f64::consts::TAU;
+
+const COUNT: u32 = 1 << 16;
+/// Cells along the cosine, over the whole sphere, and around the normal.
+const COSINES: usize = 24;
+const AZIMUTHS: usize = 24;
+/// Points along a cell's sides where its probability is integrated.
+const POINTS: usize = 40;
+/// What a dozen roundings of numbers up to 1 can make.
+const ROUNDING: f64 = 1e-6;
+/// From nearly straight to grazing, in degrees.
+const ANGLES: [f32; 4] = [2.0, 35.0, 60.0, 85.0];
+
+/// A floor of one material, whose normal is +z.
+fn floor(material: Principled) -> PreparedScene {
+    let camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
+    let mut scene = Scene::new(camera, FilmSize { width: 4, height: 3 });
+    // A material that is none of its kind comes first, so that tables are not read at their start.
+    scene.add_material(Material::diffuse(Vec3::splat(0.5)));
+    let material = scene.add_material(Material::Principled(material));
+    let corners = [(-9.0, -9.0), (9.0, -9.0), (0.0, 9.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+    scene.add_mesh(Mesh::new(material, corners.to_vec(), vec![[0, 1, 2]]));
+    PreparedScene::new(&scene, BvhQuality::default()).expect("a floor")
+}
+
+/// The direction of a ray that arrives at so many `degrees` to +z, or to -z from below.
+pub fn arriving(degrees: f32, is_above: bool) -> Vec3 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    Vec3::new(0.6 * sin, -0.8 * sin, if is_above { -cos } else { cos })
+}
+
+/// What a ray along `incoming` meets.
+pub fn met<'a>(floor: &'a PreparedScene, incoming: Vec3) -> Bsdf<'a, Fixed<ALL>> {
+    let view = floor.view();
+    let ray = Ray::new(Vec3::new(0.1, 0.2, 0.0) - incoming, incoming);
+    let hit = view.bvh.closest_hit(&ray);
+    assert!(hit.is_some(), "along {incoming}");
+    Surface::at(&view.surfaces, &ray, &hit).bsdf
+}
+
+/// Samples of the BSDF that `incoming` meets.
+fn samples<'a>(
+    bsdf: Bsdf<'a, Fixed<ALL>>,
+    incoming: Vec3,
+    kind: u32,
+) -> impl Iterator<Item = BsdfSample> + use<'a> {
+    (0..COUNT).map(move |index| {
+        let numbers = RandomNumbers::new(kind, 7, 11, index);
+        let [lobe, _] = numbers.bits(CHOICES);
+        bsdf.sample(incoming, numbers.pair(BSDF), unit_float(lobe))
+    })
+}
+
+/// Materials with every lobe, rough enough for cells to see their shape.
+fn rough_ones() -> Vec<(&'static str, Principled)> {
+    let mut all = Vec::new();
+    for roughness in [0.5, 0.75, 1.0] {
+        let paint = Principled::paint(Vec3::new(0.7, 0.4, 0.2), roughness);
+        all.push(("paint", paint));
+        all.push(("metal", Principled::metal(Vec3::new(1.0, 0.8, 0.3), roughness)));
+        all.push(("glass", Principled::glass(1.5, roughness)));
+        all.push(("a mixture", Principled { metallic: 0.3, transmission: 0.6, ..paint }));
+    }
+    all
+}
+
+/// The cell of a direction over the sphere.
+fn sphere_cell(direction: Vec3) -> usize {
+    let d = direction.as_dvec3();
+    let azimuth = d.y.atan2(d.x).rem_euclid(TAU);
+    cell(0.5 * (d.z + 1.0), COSINES) * AZIMUTHS + cell(azimuth / TAU, AZIMUTHS)
+}
+
+/// How probable each cell is by the density, and, last, that there is no light.
+fn probabilities(bsdf: &Bsdf<'_, Fixed<ALL>>, incoming: Vec3) -> Vec<f64> {
+    let mut all = vec![0.0; COSINES * AZIMUTHS + 1];
+    let fine = AZIMUTHS * POINTS;
+    let end = |cosines: usize| (1.0 - 2.0 * cosines as f64 / COSINES as f64).acos();
+    for (band, place) in (0..COSINES).flat_map(|band| (0..POINTS).map(move |place| (band, place))) {
+        // In the angle, not in its cosine, which is steep at the poles.
+        let (from, to) = (end(band), end(band + 1));
+        let step = (to - from) / POINTS as f64;
+        let (sin_theta, cos_theta) = (from + (place as f64 + 0.5) * step).sin_cos();
+        for b in 0..fine {
+            let (sin, cos) = ((b as f64 + 0.5) / fine as f64 * TAU).sin_cos();
+            let direction = DVec3::new(sin_theta * cos, sin_theta * sin, cos_theta).as_vec3();
+            let pdf = f64::from(bsdf.pdf(incoming, direction));
+            let solid_angle = sin_theta * step * TAU / fine as f64;
+            all[(COSINES - 1 - band) * AZIMUTHS + b / POINTS] += pdf * solid_angle;
+        }
+    }
+    let sum: f64 = all.iter().sum();
+    assert!(sum < 1.0 + 1e-3, "the density has the integral {sum}");
+    all[COSINES * AZIMUTHS] = (1.0 - sum).max(0.0);
+    all
+}
+
+#[test]
+fn directions_follow_the_density_and_eval_says_the_same() {
+    for (name, material) in rough_ones() {
+        let floor = floor(material);
+        for (degrees, is_above) in [(10.0, true), (60.0, true), (80.0, true), (40.0, false)] {
+            let incoming = arriving(degrees, is_above);
+            let bsdf = met(&floor, incoming);
+            let expected: Vec<f64> =
+                probabilities(&bsdf, incoming).iter().map(|p| p * f64::from(COUNT)).collect();
+            for (kind, sampler) in SAMPLERS {
+                let cells = samples(bsdf, incoming, kind).map(|sample| {
+                    let said = bsdf.eval(incoming, sample.direction);
+                    if sample.weight == Vec3::ZERO {
+                        return COSINES * AZIMUTHS;
+                    }
+                    let both = sample.pdf.max(said.pdf);
+                    assert!((sample.pdf - said.pdf).abs() <= 2e-3 * both, "{name}: density");
+                    let difference = (sample.weight - said.weight).abs().max_element();
+                    assert!(difference <= 2e-3, "{name}: {} {}", sample.weight, said.weight);
+                    sphere_cell(sample.direction)
+                });
+                let counts = histogram(COSINES * AZIMUTHS + 1, cells);
+                let what = format!(
+                    "{name} of roughness {} at {degrees} degrees, {is_above}, {sampler}",
+                    material.roughness
+                );
+                assert_chi_square(&counts, &expected, &what);
+            }
+        }
+    }
+}
+
+/// The mean of the weights is what a white surroundings would show: the share of light that is
+/// kept.
+fn energy(floor: &PreparedScene, incoming: Vec3) -> (f64, f64) {
+    let bsdf = met(floor, incoming);
+    let kept: Vec<f64> = samples(bsdf, incoming, SOBOL)
+        .map(|sample| {
+            // Radiance is squeezed where it crosses, energy is not.
+            f64::from(sample.weight.y * sample.eta * sample.eta)
+        })
+        .collect();
+    mean_and_error(&kept)
+}
+
+#[test]
+fn white_furnaces_keep_all_light() {
+    for roughness in [0.0, 0.05, 0.2, 0.5, 0.8, 1.0] {
+        let paint = Principled::paint(Vec3::ONE, roughness);
+        let materials = [
+            ("white paint", paint),
+            ("white metal", Principled::metal(Vec3::ONE, roughness)),
+            ("half metal", Principled { metallic: 0.5, ..paint }),
+            ("paint of index 2.5", Principled { ior: 2.5, ..paint }),
+        ];
+        for (name, material) in materials {
+            let floor = floor(material);
+            for degrees in ANGLES {
+                for is_above in [true, false] {
+                    let (mean, error) = energy(&floor, arriving(degrees, is_above));
+                    let what = format!("{name}, roughness {roughness}, {degrees} degrees: {mean}");
+                    assert!((mean - 1.0).abs() < 0.005, "{what}");
+                    assert!(mean < 1.0 + 3.0 * error + 0.002, "{what} +- {error}");
+                }
+            }
+        }
+    }
+}
+
+/// What several microfacets would deflect is lost, and nothing is made.
+#[test]
+fn rough_glass_makes_no_light_and_smooth_glass_loses_none() {
+    for roughness in [0.0, 0.1, 0.3, 0.6, 1.0] {
+        for ior in [1.1, 1.5, 2.4, 1.0 / 1.5] {
+            let floor = floor(Principled::glass(ior, roughness));
+            for degrees in ANGLES {
+                for is_above in [true, false] {
+                    let (mean, error) = energy(&floor, arriving(degrees, is_above));
+                    let what = format!("index {ior}, roughness {roughness}, {degrees} degrees");
+                    assert!(mean <= 1.0 + 3.0 * error + ROUNDING, "{what}: {mean} +- {error}");
+                    let least = if roughness <= 0.1 { 0.97 } else { 0.15 };
+                    assert!(mean > least, "{what}: {mean}");
+                }
+            }
+        }
+    }
+}
+
+/// The BSDF, without the cosine.
+fn bsdf_value(floor: &PreparedScene, o: Vec3, i: Vec3) -> DVec3 {
+    let sample = met(floor, -o).eval(-o, i);
+    (sample.weight * (sample.pdf / i.z.abs())).as_dvec3()
+}
+
+#[test]
+fn both_directions_are_worth_the_same() {
+    let directions: Vec<Vec3> = (0..12)
+        .map(|k| {
+            let (sin, cos) = (k as f32 * 2.4).sin_cos();
+            let z = 0.05 + 0.078 * k as f32;
+            Vec3::new(sin, cos, 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z
+        })
+        .collect();
+    for (name, material) in rough_ones() {
+        let floor = floor(material);
+        for &a in &directions {
+            for &b in &directions {
+                let (there, back) = (bsdf_value(&floor, a, b), bsdf_value(&floor, b, a));
+                let close = (there - back).length() <= 1e-4 * (there + back).length();
+                assert!(close, "{name}, {a} and {b}: {there} {back}");
+                // Where light crosses, radiance is squeezed by the squared ratio of the indices
+                // (Veach 1997, equation 5.14).
+                let (into, out) = (bsdf_value(&floor, a, -b), bsdf_value(&floor, -b, a));
+                let squeezed = out / f64::from(material.ior * material.ior);
+                let close = (into - squeezed).length() <= 1e-3 * (into + squeezed).length() + 1e-9;
+                assert!(close, "{name}, through, {a} and {b}: {into} {squeezed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn smooth_glass_reflects_by_fresnels_formulas() {
+    for (ior, degrees) in [(1.5, 2.0), (1.5, 60.0), (2.4, 45.0), (1.33, 80.0)] {
+        let floor = floor(Principled::glass(ior, 0.0));
+        let incoming = arriving(degrees, true);
+        let above = samples(met(&floor, incoming), incoming, SOBOL)
+            .filter(|sample| sample.direction.z > 0.0)
+            .count();
+        let share = above as f64 / f64::from(COUNT);
+        let reflected = reflectance(degrees.into(), ior.into());
+        assert!((share - reflected).abs() < 2e-3, "{ior}, {degrees} degrees: {share} {reflected}");
+    }
+}
+
+#[test]
+fn smooth_metal_is_a_mirror() {
+    let floor = floor(Principled::metal(Vec3::new(1.0, 0.5, 0.2), 0.0));
+    let incoming = arriving(40.0, true);
+    let mirrored = incoming.reflect(Vec3::Z);
+    let far = samples(met(&floor, incoming), incoming, SOBOL)
+        .filter(|sample| sample.direction.dot(mirrored) < 0.9999)
+        .count();
+    assert!(far < COUNT as usize / 50, "{far} of {COUNT} directions are a degree off");
+}
