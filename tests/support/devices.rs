@@ -3,22 +3,28 @@
 use crate::not_tested;
 use raystream::exec::device::Device;
 use raystream::exec::gpu::GpuExecutor;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// Set where a missing GPU must fail the tests instead of leaving some out.
 const REQUIRE_GPU: &str = "RAYSTREAM_REQUIRE_GPU";
 
-/// One test at a time on the GPU: a software one is slow, and a real one has only so much memory.
-static GPU: Mutex<()> = Mutex::new(());
+/// The GPU, which the first test opens: it compiles its kernels once for all tests. One test at a
+/// time has it: a software one is slow, and a real one has only so much memory.
+static GPU: Mutex<Option<Arc<GpuExecutor>>> = Mutex::new(None);
 
 /// Runs `test` on any GPU, a software one too. Without one it says so loudly, or fails if
 /// `RAYSTREAM_REQUIRE_GPU` is set.
 pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
-    let _turn = GPU.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    match Device::open("gpu") {
-        Ok(Device::Gpu(gpu)) => test(&gpu),
-        Ok(_) => unreachable!("the GPU that was asked for is the CPU"),
-        Err(error) => no_gpu(&error.to_string()),
+    let mut gpu = GPU.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if gpu.is_none() {
+        *gpu = match Device::open("gpu") {
+            Ok(Device::Gpu(gpu)) => Some(gpu),
+            Ok(_) => unreachable!("the GPU that was asked for is the CPU"),
+            Err(error) => return no_gpu(&error.to_string()),
+        };
+    }
+    if let Some(gpu) = gpu.as_ref() {
+        test(gpu);
     }
 }
 
