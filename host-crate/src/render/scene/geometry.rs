@@ -1,5 +1,6 @@
 //! The triangles of a scene, with their corners' attributes.
 
+use super::scene_triangle::SceneTriangle;
 use super::triangles::Functions;
 use crate::scene::mesh::has_area;
 use crate::scene::{Mesh, Scene};
@@ -7,17 +8,6 @@ use glam::{Vec2, Vec3};
 use rayon::slice::ParallelSliceMut;
 use raystream_shaders::math::packed::{NO_TANGENT, Tangent};
 use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES};
-
-/// A triangle of a scene.
-#[derive(Clone, Copy, Debug)]
-pub struct SceneTriangle {
-    /// Its corners in world units, counter-clockwise as seen from the front.
-    pub corners: [Vec3; 3],
-    /// Index into the materials.
-    pub material: u32,
-    /// Index into the attributes, or [`NO_ATTRIBUTES`].
-    pub attributes: u32,
-}
 
 /// The triangles of a scene: of its meshes in order, then two of each quad light.
 #[derive(Default)]

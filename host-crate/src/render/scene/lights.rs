@@ -1,6 +1,6 @@
 //! The table of emissive triangles and their choice by power.
 
-use super::geometry::SceneTriangle;
+use super::scene_triangle::SceneTriangle;
 use super::triangles::Functions;
 use glam::Vec3;
 use raystream_shaders::scene::bsdf::Material;

@@ -7,6 +7,7 @@ mod environment;
 mod geometry;
 mod lights;
 mod materials;
+mod scene_triangle;
 mod textures;
 mod triangles;
 

@@ -1,6 +1,6 @@
 //! The table of triangles, in both of its forms.
 
-use super::geometry::SceneTriangle;
+use super::scene_triangle::SceneTriangle;
 use glam::{DVec3, UVec4, Vec3, Vec3A};
 use raystream_shaders::math::UNIT_ROUNDOFF;
 use raystream_shaders::memory::rows::row;

@@ -13,7 +13,7 @@ mod pieces;
 mod tree;
 
 use self::pieces::Pieces;
-use super::geometry::SceneTriangle;
+use super::scene_triangle::SceneTriangle;
 use crate::names::named;
 use glam::UVec4;
 use obvhs::BvhBuildParams;

@@ -1,6 +1,6 @@
 //! What leaves are made of: boxes of triangles, several for a large one.
 
-use super::super::geometry::SceneTriangle;
+use super::super::scene_triangle::SceneTriangle;
 use super::super::triangles::Functions;
 use glam::Vec3A;
 use obvhs::Boundable;
