@@ -39,11 +39,12 @@
 //! its own lane and puts a barrier after each phase; the CPU calls it for all lanes of a workgroup
 //! in turn. Such a kernel has no `write` bindings.
 
-/// Calls the macro `$with` with all rows; see the [module](self).
+/// Calls the macro `$with` with what follows its name and all rows; see the [module](self).
 #[macro_export]
 macro_rules! for_each_kernel {
-    ($with:ident) => {
+    ($with:ident $($before:tt)*) => {
         $with! {
+            $($before)*
             /// Fills the runs of a window of pixels.
             fill_runs[256] phased(
                 $crate::film::stream::PHASES,

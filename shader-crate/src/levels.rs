@@ -10,10 +10,10 @@ use crate::memory::access::{Atomics, Scatter};
 use crate::scene::SceneView;
 use crate::scene::abilities::{ALL, Abilities, BASIC, Fixed};
 
-/// Declares a method of [`Level`] for each row of the [table of kernels](crate::kernels) that has a
-/// scene.
-macro_rules! declarations {
-    ($(
+/// A method of [`Level`] for each row of the [table of kernels](crate::kernels) that has a scene,
+/// `declared` or `defined`.
+macro_rules! methods {
+    ($mode:ident $(
         $(#[$doc:meta])*
         $name:ident[$workgroup:tt] $(phased($phases:expr, $Memory:ty))? = $function:path {
             uniform $parameters:ident: $Parameters:ty,
@@ -25,34 +25,7 @@ macro_rules! declarations {
         }
     )*) => {$(
         method! {
-            [$($scene)?] declared $(#[$doc])*
-            $name = $function {
-                $parameters: &$Parameters,
-                $($scene: &SceneView<'_, Self>,)?
-                $($read: &[$Read],)*
-                $($written: &mut $Written,)*
-                $($scattered: &mut Scatter<'_, $Scattered>,)*
-                $($atomic: &mut Atomics<'_>,)*
-            }
-        }
-    )*};
-}
-
-/// Their bodies.
-macro_rules! bodies {
-    ($(
-        $(#[$doc:meta])*
-        $name:ident[$workgroup:tt] $(phased($phases:expr, $Memory:ty))? = $function:path {
-            uniform $parameters:ident: $Parameters:ty,
-            $(with $scene:ident,)?
-            $(read $read:ident: $Read:ty,)*
-            $(write $written:ident: $Written:ty,)*
-            $(scatter $scattered:ident: $Scattered:ty,)*
-            $(atomic $atomic:ident,)*
-        }
-    )*) => {$(
-        method! {
-            [$($scene)?] defined $(#[$doc])*
+            [$($scene)?] $mode $(#[$doc])*
             $name = $function {
                 $parameters: &$Parameters,
                 $($scene: &SceneView<'_, Self>,)?
@@ -87,13 +60,13 @@ macro_rules! method {
 
 /// Abilities that the CPU has kernels for.
 pub trait Level: Abilities {
-    for_each_kernel!(declarations);
+    for_each_kernel!(methods declared);
 }
 
 impl Level for Fixed<BASIC> {
-    for_each_kernel!(bodies);
+    for_each_kernel!(methods defined);
 }
 
 impl Level for Fixed<ALL> {
-    for_each_kernel!(bodies);
+    for_each_kernel!(methods defined);
 }

@@ -59,11 +59,6 @@ impl Ggx {
         self.masking(o) * self.masking(i)
     }
 
-    /// Density per solid angle of a normal `h` that [`Self::sample_visible`] makes for `o`.
-    pub fn visible_pdf(&self, o: Vec3, h: Vec3) -> f32 {
-        self.masking(o) * o.dot(h).max(0.0) * self.distribution(h) / o.z
-    }
-
     /// A normal of a microfacet that is seen from `o`, from a uniform point of the unit square.
     ///
     /// Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", CGF 42(8), 2023.
