@@ -9,6 +9,7 @@ use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::at;
 use crate::memory::device_struct;
 use crate::scene::abilities::Abilities;
+use crate::scene::bvh::Order;
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
 use crate::scene::{SceneParams, SceneView, TracingParams};
 
@@ -101,7 +102,7 @@ pub fn closest_hits(
     rays: &[Ray],
     hit: &mut Hit,
 ) {
-    *hit = scene.bvh.closest_hit(&at(rays, lane));
+    *hit = scene.closest_hit(&at(rays, lane));
 }
 
 /// Kernel: the nearest hit of ray `lane` among the triangles before `end`, where `hit` has that
@@ -116,10 +117,11 @@ pub fn brute_force_hits(
 ) {
     let ray = at(rays, lane);
     let mut nearest = if params.first == 0 { Hit::miss(ray.t_max) } else { *hit };
+    let nothing = Hit::miss(0.0);
     let mut triangle = params.first;
     while triangle < params.end {
         let planes = scene.bvh.planes(triangle);
-        scene.bvh.test::<false>(&planes, &ray, triangle, &mut nearest);
+        scene.bvh.test(&planes, &ray, triangle, &nothing, Order::NEAREST, &mut nearest);
         triangle += 1;
     }
     *hit = nearest;
@@ -133,7 +135,7 @@ pub fn any_hits(
     rays: &[Ray],
     occluded: &mut u32,
 ) {
-    *occluded = scene.bvh.is_occluded(&at(rays, lane)) as u32;
+    *occluded = scene.is_occluded(&at(rays, lane)) as u32;
 }
 
 /// The point that `ray` hit, its normal on the side that the ray came from.

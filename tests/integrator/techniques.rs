@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use raystream::render::{Settings, Techniques};
-use raystream::scene::{FilmSize, Material, Principled, Scene};
+use raystream::scene::{FilmSize, Material, Opacity, Principled, Scene};
 use raystream_tests::scenes::{self, add_ball, add_box};
 use raystream_tests::statistics::assert_same_expectation;
 use raystream_tests::{prepare, render, settings};
@@ -121,7 +121,11 @@ fn techniques_agree_around_glossy_materials() {
         ("metal", Principled::metal(Vec3::splat(0.9), 0.35)),
         ("paint", paint),
         ("rough glass", Principled::glass(1.5, 0.4)),
+        ("panes", Principled { thin_walled: true, ..Principled::glass(1.5, 0.4) }),
         ("a mixture", Principled { metallic: 0.4, transmission: 0.5, ..paint }),
+        ("coated paint", Principled { coat: 0.8, coat_roughness: 0.3, ..paint }),
+        ("velvet", Principled { sheen: Vec3::new(0.9, 0.5, 0.7), ..paint }),
+        ("half a ball", Principled { opacity: Opacity::Blend { alpha: 0.6 }, ..paint }),
     ] {
         let scene = scenes::room(Material::Principled(ball), 1.0);
         let prepared = prepare(&scene);

@@ -8,7 +8,7 @@ use raystream::render::integrator::regeneration::Regeneration;
 use raystream::render::integrator::wavefront::Wavefront;
 use raystream::render::integrator::{Integrator, StreamBuffers};
 use raystream::render::{IntegratorKind, PreparedScene, Settings};
-use raystream::scene::{FilmSize, Material, Principled, Scene};
+use raystream::scene::{FilmSize, Material, Opacity, Principled, Scene};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::{NO_PIXEL, Slot};
 use raystream_shaders::math::random::hash;
@@ -136,7 +136,14 @@ pub fn cases(count: u32) -> Vec<Case> {
     let ball = open.add_material(scenes::diffuse(0.9));
     scenes::add_ball(&mut open, Vec3::ZERO, 1.0, 2, ball);
     open.background = Vec3::splat(0.7);
+    let ghost = Principled {
+        coat: 0.6,
+        sheen: Vec3::splat(0.5),
+        opacity: Opacity::Blend { alpha: 0.7 },
+        ..Principled::paint(Vec3::splat(0.8), 0.4)
+    };
     vec![
+        Case::new("half a ball of coated velvet", room(Material::Principled(ghost)), count),
         Case::new("a ball of glass", room(scenes::glass(1.5)), count),
         Case::new("a ball of glass", room(scenes::glass(1.5)), count).scrambled(),
         Case::new("a mirror ball", room(scenes::mirror(0.9)), count).with(|s| s.roulette_depth = 1),

@@ -7,6 +7,7 @@ mod environment;
 mod environment_files;
 mod errors;
 mod files;
+mod holes;
 mod leaks;
 mod light;
 mod loading;

@@ -14,7 +14,8 @@ use raystream_shaders::probe::BruteForceParams;
 use raystream_shaders::scene::ray::{Hit, Ray};
 use raystream_tests::{large_scenes, prepare, scenes, settings, with_gpu};
 
-fn hits<E: Executor>(
+/// The nearest hits of rays, and 1 for each that hits anything, else 0.
+pub fn hits<E: Executor>(
     executor: &E,
     scene: &PreparedScene,
     rays: &[Ray],

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use raystream_shaders::scene::abilities::{BASIC, Fixed};
 use raystream_shaders::scene::bsdf::albedo::AlbedoView;
-use raystream_shaders::scene::bsdf::principled::Layers;
+use raystream_shaders::scene::bsdf::layers::Layers;
 use raystream_shaders::scene::bsdf::{Bsdf, Material, MaterialKind};
 use raystream_shaders::scene::texture::NO_TEXTURE;
 

@@ -7,6 +7,7 @@ use raystream::exec::{Array, Executor, Launch, SceneBuffers, kernels};
 use raystream::render::{PreparedScene, Settings};
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::integrator::params::PathParams;
+use raystream_shaders::scene::bvh::Order;
 use raystream_shaders::scene::ray::{Hit, NO_TRIANGLE, Ray};
 use std::time::Duration;
 
@@ -166,8 +167,9 @@ struct Check {
 pub fn brute_force(scene: &PreparedScene, ray: &Ray) -> Hit {
     let bvh = scene.view().bvh;
     let mut hit = Hit::miss(ray.t_max);
+    let nothing = Hit::miss(0.0);
     for triangle in 0..scene.scene_triangles.len() as u32 {
-        bvh.test::<false>(&bvh.planes(triangle), ray, triangle, &mut hit);
+        bvh.test(&bvh.planes(triangle), ray, triangle, &nothing, Order::NEAREST, &mut hit);
     }
     hit
 }

@@ -23,6 +23,8 @@ const MAX_STRENGTH: f64 = 1e6;
 const MAX_FILM_SIDE: u32 = 16_384;
 /// Indices of refraction lie between the inverse of this and this.
 const MAX_IOR: f64 = 100.0;
+/// Light is coloured after a distance between the inverse of this and this.
+const MAX_ATTENUATION_DISTANCE: f64 = 1e12;
 /// Textures are at most this wide and high, in texels.
 pub(super) const MAX_TEXTURE_SIDE: u32 = 16_384;
 /// Texels of all textures together, with what a device's buffer of them holds besides: 1 GiB.
@@ -81,6 +83,17 @@ pub(super) fn ior(value: f64) -> Result<f32, String> {
         Ok(rounded)
     } else {
         Err(format!("must be from {low} to {high}, is {value}"))
+    }
+}
+
+/// A distance after which light in a body is coloured, in world units.
+pub(super) fn attenuation_distance(value: f64) -> Result<f32, String> {
+    let (low, high) = (MAX_ATTENUATION_DISTANCE.recip(), MAX_ATTENUATION_DISTANCE);
+    let rounded = value as f32;
+    if (low as f32..=high as f32).contains(&rounded) {
+        Ok(rounded)
+    } else {
+        Err(format!("must be from {low:e} to {high:e}, is {value}"))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::bounds::{self, MAX_COORDINATE, MAX_TEXELS, MAX_TEXTURE_SIDE};
 use super::description::Scene;
 use super::film::FilmSize;
-use super::material::{Material, Principled, Reflectance};
+use super::material::{Attenuation, Material, Opacity, Principled, Reflectance};
 use super::mesh::Mesh;
 use super::texture::Texture;
 use glam::Vec3;
@@ -109,12 +109,30 @@ impl Scene {
             ("metallic", material.metallic),
             ("roughness", material.roughness),
             ("transmission", material.transmission),
+            ("coat", material.coat),
+            ("coat_roughness", material.coat_roughness),
+            ("sheen_roughness", material.sheen_roughness),
         ];
         for (name, value) in shares {
             named(name, bounds::share(value.into()).map(drop))?;
         }
         named("ior", bounds::ior(material.ior.into()).map(drop))?;
         named("specular", bounds::factor(&values(material.specular)).map(drop))?;
+        named("sheen", bounds::reflectance(&values(material.sheen)).map(drop))?;
+        if let Some(Attenuation { colour, distance }) = material.attenuation {
+            named("attenuation.colour", bounds::reflectance(&values(colour)).map(drop))?;
+            named("attenuation.distance", bounds::attenuation_distance(distance.into()).map(drop))?;
+        }
+        let (alpha, cutoff) = match material.opacity {
+            Opacity::Opaque => (1.0, 0.0),
+            Opacity::Mask { alpha, cutoff } => (alpha, cutoff),
+            Opacity::Blend { alpha } => (alpha, 0.0),
+        };
+        named("opacity.alpha", bounds::share(alpha.into()).map(drop))?;
+        named("opacity.cutoff", bounds::share(cutoff.into()).map(drop))?;
+        if material.opacity != Opacity::Opaque && material.emission != Vec3::ZERO {
+            return Err("opacity must be that of an opaque surface, since it emits".to_owned());
+        }
         named("emission", radiance(material.emission).map(drop))
     }
 
@@ -274,7 +292,28 @@ mod tests {
         let nan = Vec3::new(0.0, f32::NAN, 0.0);
         let environment = |texel| Some(Environment::new(1, 1, vec![texel]));
         let bright = Environment { strength: 2e6, ..Environment::new(1, 1, vec![Vec3::ONE]) };
-        let cases: [(&str, &dyn Fn(&mut Scene)); 27] = [
+        let principled = |spoil: fn(&mut Principled)| {
+            let mut material = Principled::paint(Vec3::ONE, 0.5);
+            spoil(&mut material);
+            Material::Principled(material)
+        };
+        let cases: [(&str, &dyn Fn(&mut Scene)); 32] = [
+            ("materials[0]", &|s| s.materials[0] = principled(|m| m.coat = -0.1)),
+            ("materials[0]", &|s| s.materials[0] = principled(|m| m.sheen.x = 1.1)),
+            ("materials[0]", &|s| {
+                s.materials[0] = principled(|m| {
+                    m.attenuation = Some(Attenuation { colour: Vec3::ONE, distance: 0.0 });
+                });
+            }),
+            ("materials[0]", &|s| {
+                s.materials[0] = principled(|m| m.opacity = Opacity::Blend { alpha: f32::NAN });
+            }),
+            ("materials[0]", &|s| {
+                s.materials[0] = principled(|m| {
+                    m.opacity = Opacity::Mask { alpha: 1.0, cutoff: 0.5 };
+                    m.emission = Vec3::ONE;
+                });
+            }),
             ("environment", &|s| s.environment = environment(nan)),
             ("environment", &|s| s.environment = Some(Environment::new(2, 1, vec![Vec3::ONE]))),
             ("environment", &|s| s.environment = Some(bright.clone())),

@@ -55,7 +55,8 @@ pub struct Principled {
     /// that.
     pub roughness: f32,
     /// Index of refraction of what is no metal, in [0.01, 100]: how much a painted surface
-    /// reflects, and how glass refracts.
+    /// reflects, and how glass refracts. What is within 0.001 of 1 counts as 1.001: the microfacets
+    /// of a boundary that bends nothing cannot be told from its directions.
     pub ior: f32,
     /// What reflection by the index of refraction is multiplied by at normal incidence, linear
     /// Rec.709, each component in [0, 1e4]; white for a surface as physics has it. Glass
@@ -63,10 +64,66 @@ pub struct Principled {
     pub specular: Vec3,
     /// Share of what is no metal that lets light pass as rough glass does, in [0, 1].
     pub transmission: f32,
+    /// Whether what passes does not enter a body, but leaves through a second surface right behind
+    /// the first: panes, soap bubbles, leaves. It is not bent then.
+    pub thin_walled: bool,
+    /// What the body behind the front takes of light, on the way through from boundary to boundary;
+    /// `None` for what is clear. It needs `transmission`, and has no effect where it is thin.
+    pub attenuation: Option<Attenuation>,
+    /// Share of the surface that has a clear coat of index of refraction 1.5, in [0, 1].
+    pub coat: f32,
+    /// Roughness of the coat, in [0, 1].
+    pub coat_roughness: f32,
+    /// Colour of fibres that stand off the surface below the coat, as on velvet, linear Rec.709,
+    /// each component in [0, 1]; black for none.
+    pub sheen: Vec3,
+    /// Roughness of the sheen, in [0, 1]. What is below 0.2 counts as that.
+    pub sheen_roughness: f32,
+    /// Where there is a surface at all. What emits is opaque.
+    pub opacity: Opacity,
     /// Radiance of the front, the same in all directions; each component in [0, 1e12].
     pub emission: Vec3,
     /// What varies over the surface.
     pub maps: Maps,
+}
+
+/// What light loses in a body, by Beer's law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attenuation {
+    /// What is left of white light after the distance, linear Rec.709, each component in [0, 1];
+    /// less than 1e-6 counts as that.
+    pub colour: Vec3,
+    /// The distance, in world units, from 1e-12 to 1e12.
+    pub distance: f32,
+}
+
+impl Attenuation {
+    /// What is lost by world unit, linear Rec.709.
+    pub fn absorption(&self) -> Vec3 {
+        let left = self.colour.max(Vec3::splat(1e-6));
+        Vec3::new(-left.x.ln(), -left.y.ln(), -left.z.ln()) / self.distance
+    }
+}
+
+/// Where a surface is, and where it has holes. The alpha of the texture of the base's colour, if
+/// there is one, multiplies that which stands here.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Opacity {
+    /// Everywhere, whatever a texture says.
+    #[default]
+    Opaque,
+    /// Where `alpha` is at least `cutoff`, both in [0, 1].
+    Mask {
+        /// The share.
+        alpha: f32,
+        /// The least share of what is no hole.
+        cutoff: f32,
+    },
+    /// In the share `alpha`, in [0, 1], of what is smaller than anything that is seen.
+    Blend {
+        /// The share.
+        alpha: f32,
+    },
 }
 
 /// The textures of a principled material. What a texture says is multiplied by the number that the
@@ -113,6 +170,25 @@ impl Maps {
 }
 
 impl Principled {
+    /// Whether anything lies over it: a coat or sheen.
+    pub fn has_cover(&self) -> bool {
+        self.coat > 0.0 || self.sheen != Vec3::ZERO
+    }
+
+    /// The index of refraction as kernels have it.
+    pub(crate) fn distinct_ior(&self) -> f32 {
+        const LEAST: f32 = 1e-3;
+        if (self.ior - 1.0).abs() < LEAST { 1.0 + LEAST } else { self.ior }
+    }
+
+    /// What its body takes of light by world unit, linear Rec.709; zero where it has none or is
+    /// clear.
+    pub fn absorption(&self) -> Vec3 {
+        let has_body = self.transmission > 0.0 && !self.thin_walled;
+        let attenuation = self.attenuation.filter(|_| has_body);
+        attenuation.map_or(Vec3::ZERO, |attenuation| attenuation.absorption())
+    }
+
     /// Paint of this `colour`, linear Rec.709, each component in [0, 1], and `roughness` in [0, 1].
     pub fn paint(colour: Vec3, roughness: f32) -> Self {
         Self {
@@ -122,6 +198,13 @@ impl Principled {
             ior: 1.5,
             specular: Vec3::ONE,
             transmission: 0.0,
+            thin_walled: false,
+            attenuation: None,
+            coat: 0.0,
+            coat_roughness: 0.0,
+            sheen: Vec3::ZERO,
+            sheen_roughness: 0.5,
+            opacity: Opacity::Opaque,
             emission: Vec3::ZERO,
             maps: Maps::default(),
         }
@@ -181,6 +264,11 @@ impl Material {
             Self::Principled(Principled { emission, .. }) => emission,
             Self::Diffuse { .. } | Self::Mirror { .. } | Self::Dielectric { .. } => Vec3::ZERO,
         }
+    }
+
+    /// Whether it may have holes, by the alpha of its texture too.
+    pub fn has_holes(&self) -> bool {
+        matches!(self, Self::Principled(material) if material.opacity != Opacity::Opaque)
     }
 
     /// The same material with another colour of paint or metal; others have none to change.

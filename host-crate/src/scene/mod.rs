@@ -53,7 +53,9 @@ pub use film::FilmSize;
 pub use light::QuadLight;
 pub use limits::PathLimits;
 pub use load::{embedded, load, load_named};
-pub use material::{Channel, Maps, Material, MaterialId, NormalMap, Principled, Reflectance};
+pub use material::{
+    Attenuation, Channel, Maps, Material, MaterialId, NormalMap, Opacity, Principled, Reflectance,
+};
 pub use mesh::Mesh;
 pub use options::LoadOptions;
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, shipped};

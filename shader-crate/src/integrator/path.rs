@@ -92,9 +92,9 @@ impl Path {
         scene: &SceneView<'_, impl Abilities>,
         numbers: &RandomNumbers,
     ) -> bool {
-        let hit = scene.bvh.closest_hit(&self.ray);
+        let hit = scene.closest_hit(&self.ray);
         let bounce = self.shade(params, scene, numbers, &hit);
-        if bounce.light.is_some() && !scene.bvh.is_occluded(&bounce.light.segment) {
+        if bounce.light.is_some() && !scene.is_occluded(&bounce.light.segment) {
             self.radiance += bounce.light.radiance;
         }
         bounce.goes_on
@@ -125,6 +125,7 @@ impl Path {
             return Bounce { light, goes_on: false };
         }
         let surface = Surface::at(&scene.surfaces, &self.ray, hit);
+        self.throughput *= surface.transmittance(hit.t);
         if surface.emits() {
             let cosine = self.ray.direction.dot(surface.point.normal).abs();
             let light_pdf = scene.lights.pdf_of_hit(surface.emission, hit.t, cosine);

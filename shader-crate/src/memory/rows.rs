@@ -48,3 +48,17 @@ pub fn five_rows(rows: &[UVec4], first: u32) -> [UVec4; 5] {
     let [a, b, c, d] = four_rows(rows, first);
     [a, b, c, d, at(rows, first + 4)]
 }
+
+/// Six rows of a buffer, from row `first` on.
+#[inline(always)]
+pub fn six_rows(rows: &[UVec4], first: u32) -> [UVec4; 6] {
+    let [a, b, c, d, e] = five_rows(rows, first);
+    [a, b, c, d, e, at(rows, first + 5)]
+}
+
+/// Seven rows of a buffer, from row `first` on.
+#[inline(always)]
+pub fn seven_rows(rows: &[UVec4], first: u32) -> [UVec4; 7] {
+    let [a, b, c, d, e, f] = six_rows(rows, first);
+    [a, b, c, d, e, f, at(rows, first + 6)]
+}

@@ -19,6 +19,15 @@ pub const ENVIRONMENT: u32 = 1 << 1;
 /// Surfaces are [principled](crate::scene::bsdf::principled).
 pub const PRINCIPLED: u32 = 1 << 2;
 
+/// Principled surfaces have a [cover](crate::scene::bsdf::cover).
+pub const COVER: u32 = 1 << 3;
+
+/// Surfaces have holes, see [`crate::scene::bsdf::layers`].
+pub const HOLES: u32 = 1 << 4;
+
+/// Bodies absorb light, see [`crate::scene::surface::Surface::transmittance`].
+pub const ABSORPTION: u32 = 1 << 5;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene
-//! surfaces: triangles, for shading | attributes | materials | lights | albedos | layers
+//! surfaces: triangles, for shading | attributes | materials | lights | albedos of surfaces
+//!           | layers | albedos of boundaries and of sheen
 //! texels:   textures, see `texture` | environment, see `environment`
 //! ```
 //!
@@ -27,10 +28,11 @@ pub mod triangle;
 
 use crate::glam::{UVec4, Vec3};
 use crate::memory::device_struct;
-use abilities::Abilities;
-use bvh::BvhView;
+use abilities::{Abilities, HOLES};
+use bvh::{BvhView, Order};
 use environment::EnvironmentView;
 use light::{Light, LightView};
+use ray::{Hit, Ray};
 use surface::SurfaceView;
 use texture::TextureView;
 
@@ -124,6 +126,35 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 abilities,
             },
             background: params.background,
+        }
+    }
+
+    /// The nearest surface that `ray` hits in `0 < t < ray.t_max`, holes left out; of several the
+    /// first in the scene.
+    #[inline(always)]
+    pub fn closest_hit(&self, ray: &Ray) -> Hit {
+        self.hit(ray, false)
+    }
+
+    /// Whether `ray` hits any surface in `0 < t < ray.t_max`, holes left out.
+    #[inline(always)]
+    pub fn is_occluded(&self, ray: &Ray) -> bool {
+        self.hit(ray, true).is_some()
+    }
+
+    /// The nearest surface that is no hole; if `any` will do, another one perhaps.
+    #[inline(always)]
+    fn hit(&self, ray: &Ray, any: bool) -> Hit {
+        // Where there are holes, surfaces are looked for in order, so that none is met twice.
+        let has_holes = self.surfaces.abilities.has(HOLES);
+        let order = Order { any: any && !has_holes, behind: has_holes };
+        let mut passed = Hit::miss(0.0);
+        loop {
+            let hit = self.bvh.traverse(ray, &passed, order);
+            if !has_holes || !hit.is_some() || !self.surfaces.is_hole(ray, &hit) {
+                return hit;
+            }
+            passed = hit;
         }
     }
 }

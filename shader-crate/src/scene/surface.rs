@@ -1,11 +1,12 @@
 //! From a hit to what shading needs to know.
 
-use crate::glam::{UVec4, Vec2, Vec3};
+use crate::glam::{UVec4, Vec3};
 use crate::math::packed::{NO_TANGENT, Tangent};
-use crate::memory::rows::{four_rows, three_rows, two_rows};
-use crate::scene::abilities::{Abilities, PRINCIPLED, TEXTURES};
+use crate::math::random::{hash, unit_float};
+use crate::memory::rows::{four_rows, seven_rows, three_rows, two_rows};
+use crate::scene::abilities::{ABSORPTION, Abilities, PRINCIPLED, TEXTURES};
 use crate::scene::bsdf::albedo::{self, AlbedoView};
-use crate::scene::bsdf::principled::Layers;
+use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
 use crate::scene::bvh::BvhView;
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
@@ -64,7 +65,30 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
     /// What the principled material number `index` has beside [`Self::material`].
     fn layers(&self, index: u32) -> Layers {
         let first = self.first_albedos + albedo::ROWS + index * Layers::ROWS;
-        Layers::from_rows(three_rows(self.rows, first))
+        Layers::from_rows(seven_rows(self.rows, first))
+    }
+
+    /// Whether there is a hole where `ray` made `hit`. What is half transparent has holes by
+    /// chance, which the ray's own bits decide.
+    pub fn is_hole(&self, ray: &Ray, hit: &Hit) -> bool {
+        let triangle = self.triangle(hit.triangle);
+        let material = self.material(triangle.material);
+        if material.kind.0 != MaterialKind::PRINCIPLED.0 {
+            return false;
+        }
+        let layers = self.layers(triangle.material);
+        if !layers.has_holes() {
+            return false;
+        }
+        let mut alpha = layers.alpha;
+        let is_textured = material.texture != NO_TEXTURE && triangle.attributes != NO_ATTRIBUTES;
+        if self.abilities.has(TEXTURES) && is_textured {
+            let uv = self.attributes(triangle.attributes).uv(hit);
+            alpha *= self.textures.codes(material.texture, uv.x, uv.y).w;
+        }
+        let Vec3 { x, y, z } = ray.direction;
+        let bits = hash(x.to_bits() ^ hash(y.to_bits() ^ hash(z.to_bits() ^ hit.t.to_bits())));
+        layers.is_hole(alpha, unit_float(bits))
     }
 
     fn albedos(&self) -> AlbedoView<'a> {
@@ -112,9 +136,7 @@ impl<'a, F: Abilities> Surface<'a, F> {
                 shading = normal / length.sqrt();
             }
             if surfaces.abilities.has(TEXTURES) {
-                let uv = Vec2::new(a.u0, a.v0) * w
-                    + Vec2::new(a.u1, a.v1) * hit.u
-                    + Vec2::new(a.u2, a.v2) * hit.v;
+                let uv = a.uv(hit);
                 if material.texture != NO_TEXTURE {
                     material.reflectance *= surfaces.textures.sample(material.texture, uv.x, uv.y);
                 }
@@ -141,6 +163,17 @@ impl<'a, F: Abilities> Surface<'a, F> {
             ),
             emission: material.emission,
         }
+    }
+
+    /// The share of light that is left at the end of the segment of this length, in world units,
+    /// that led here, if that is the way through a body that absorbs. A body is known by its
+    /// boundary: up to something else in it, nothing is lost.
+    #[inline(always)]
+    pub fn transmittance(&self, length: f32) -> Vec3 {
+        if !self.bsdf.abilities.has(ABSORPTION) || self.from_front {
+            return Vec3::ONE;
+        }
+        self.bsdf.layers.transmittance(length)
     }
 
     /// Whether it emits along the ray, back to where that came from.

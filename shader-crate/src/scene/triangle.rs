@@ -8,7 +8,7 @@
 //!
 //! Row layout: see [`crate::memory::rows`].
 
-use crate::glam::{UVec4, Vec3};
+use crate::glam::{UVec4, Vec2, Vec3};
 use crate::math::UNIT_ROUNDOFF;
 use crate::memory::device_struct;
 use crate::memory::rows::{float, row, vector};
@@ -89,6 +89,15 @@ impl Attributes {
             v2: f32::from_bits(last.z),
             tangent: last.w,
         }
+    }
+
+    /// The texture coordinates of `hit`, `v` upwards.
+    #[inline(always)]
+    pub fn uv(&self, hit: &Hit) -> Vec2 {
+        let w = 1.0 - hit.u - hit.v;
+        Vec2::new(self.u0, self.v0) * w
+            + Vec2::new(self.u1, self.v1) * hit.u
+            + Vec2::new(self.u2, self.v2) * hit.v
     }
 }
 

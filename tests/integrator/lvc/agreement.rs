@@ -12,7 +12,9 @@ use raystream::render::BidirectionalTechniques::{
     WithoutLightTracing,
 };
 use raystream::render::{LightCacheSettings, PreparedScene, Settings};
-use raystream::scene::{FilmSize, Material, Principled, Scene, load, load_named};
+use raystream::scene::{
+    Attenuation, FilmSize, Material, Opacity, Principled, Scene, load, load_named,
+};
 use raystream_tests::scenes::{self, add_ball, add_box, add_quad};
 use raystream_tests::statistics::assert_rounds_have_expectation;
 use raystream_tests::{large_scenes, prepare, render, settings, with_gpu};
@@ -65,13 +67,23 @@ fn the_pictures_of_the_large_scenes() {
 
 #[test]
 fn rooms_with_every_material() {
+    let paint = Principled::paint(Vec3::splat(0.6), 0.2);
+    let panes = Principled { thin_walled: true, ..Principled::glass(1.5, 0.4) };
+    let velvet = Principled { sheen: Vec3::splat(0.9), coat: 0.7, coat_roughness: 0.3, ..paint };
+    let attenuation = Some(Attenuation { colour: Vec3::new(0.9, 0.5, 0.2), distance: 0.5 });
+    let coloured = Principled { attenuation, ..Principled::glass(1.5, 0.3) };
+    let ghost = Principled { opacity: Opacity::Blend { alpha: 0.6 }, ..paint };
     for (name, ball) in [
         ("mirror", scenes::mirror(0.9)),
         ("glass", scenes::glass(1.5)),
         ("bubble", scenes::glass(0.7)),
         ("metal", Material::Principled(Principled::metal(Vec3::new(0.9, 0.7, 0.4), 0.3))),
-        ("paint", Material::Principled(Principled::paint(Vec3::splat(0.6), 0.2))),
+        ("paint", Material::Principled(paint)),
+        ("panes", Material::Principled(panes)),
+        ("coated velvet", Material::Principled(velvet)),
+        ("half a ball", Material::Principled(ghost)),
         ("rough glass", Material::Principled(Principled::glass(1.5, 0.4))),
+        ("coloured glass", Material::Principled(coloured)),
     ] {
         assert_agreement(&scenes::room(ball, 1.0), 2048, name);
     }
@@ -82,7 +94,8 @@ fn rooms_with_every_material() {
 #[test]
 fn a_room_of_glossy_walls() {
     let mut scene = scenes::room(scenes::glass(1.5), 1.0);
-    let mixture = Principled { metallic: 0.4, ..Principled::paint(Vec3::splat(0.7), 0.4) };
+    let paint = Principled::paint(Vec3::splat(0.7), 0.4);
+    let mixture = Principled { metallic: 0.4, coat: 0.5, coat_roughness: 0.4, ..paint };
     let walls = scene.materials.iter_mut().filter(|m| matches!(m, Material::Diffuse { .. }));
     for wall in walls.step_by(2) {
         *wall = Material::Principled(mixture);

@@ -1,5 +1,6 @@
 //! Materials.
 
+mod absorption;
 mod diffuse;
 mod maps;
 mod principled;

@@ -20,8 +20,6 @@ const COSINES: usize = 24;
 const AZIMUTHS: usize = 24;
 /// Points along a cell's sides where its probability is integrated.
 const POINTS: usize = 40;
-/// What a dozen roundings of numbers up to 1 can make.
-const ROUNDING: f64 = 1e-6;
 /// From nearly straight to grazing, in degrees.
 const ANGLES: [f32; 4] = [2.0, 35.0, 60.0, 85.0];
 
@@ -65,7 +63,8 @@ fn samples<'a>(
     })
 }
 
-/// Materials with every lobe, rough enough for cells to see their shape.
+/// Materials with every lobe of those that are the same in both directions, rough enough for cells
+/// to see their shape.
 fn rough_ones() -> Vec<(&'static str, Principled)> {
     let mut all = Vec::new();
     for roughness in [0.5, 0.75, 1.0] {
@@ -73,9 +72,25 @@ fn rough_ones() -> Vec<(&'static str, Principled)> {
         all.push(("paint", paint));
         all.push(("metal", Principled::metal(Vec3::new(1.0, 0.8, 0.3), roughness)));
         all.push(("glass", Principled::glass(1.5, roughness)));
+        let glass = Principled::glass(1.5, roughness);
+        all.push(("thin glass", Principled { thin_walled: true, ..glass }));
         all.push(("a mixture", Principled { metallic: 0.3, transmission: 0.6, ..paint }));
     }
     all
+}
+
+/// Materials under a cover.
+fn covered_ones() -> Vec<(&'static str, Principled)> {
+    let paint = Principled::paint(Vec3::new(0.7, 0.4, 0.2), 0.6);
+    let coated = Principled { coat: 0.8, coat_roughness: 0.5, ..paint };
+    let velvet = Principled { sheen: Vec3::new(0.3, 0.9, 0.6), sheen_roughness: 0.4, ..paint };
+    let glass = Principled { coat: 1.0, coat_roughness: 0.7, ..Principled::glass(1.5, 0.5) };
+    vec![
+        ("coated paint", coated),
+        ("velvet", velvet),
+        ("coated velvet", Principled { coat: 0.5, coat_roughness: 0.6, ..velvet }),
+        ("coated glass", glass),
+    ]
 }
 
 /// The cell of a direction over the sphere.
@@ -111,7 +126,7 @@ fn probabilities(bsdf: &Bsdf<'_, Fixed<ALL>>, incoming: Vec3) -> Vec<f64> {
 
 #[test]
 fn directions_follow_the_density_and_eval_says_the_same() {
-    for (name, material) in rough_ones() {
+    for (name, material) in rough_ones().into_iter().chain(covered_ones()) {
         let floor = floor(material);
         for (degrees, is_above) in [(10.0, true), (60.0, true), (80.0, true), (40.0, false)] {
             let incoming = arriving(degrees, is_above);
@@ -127,7 +142,9 @@ fn directions_follow_the_density_and_eval_says_the_same() {
                     let both = sample.pdf.max(said.pdf);
                     assert!((sample.pdf - said.pdf).abs() <= 2e-3 * both, "{name}: density");
                     let difference = (sample.weight - said.weight).abs().max_element();
-                    assert!(difference <= 2e-3, "{name}: {} {}", sample.weight, said.weight);
+                    let largest = sample.weight.max_element().max(1.0);
+                    let is_close = difference <= 2e-3 * largest;
+                    assert!(is_close, "{name}: {} {}", sample.weight, said.weight);
                     sphere_cell(sample.direction)
                 });
                 let counts = histogram(COSINES * AZIMUTHS + 1, cells);
@@ -163,34 +180,26 @@ fn white_furnaces_keep_all_light() {
             ("white metal", Principled::metal(Vec3::ONE, roughness)),
             ("half metal", Principled { metallic: 0.5, ..paint }),
             ("paint of index 2.5", Principled { ior: 2.5, ..paint }),
+            ("coated paint", Principled { coat: 1.0, coat_roughness: 0.3, ..paint }),
+            ("coat", Principled { coat: 1.0, coat_roughness: roughness, ..paint }),
+            ("velvet", Principled { sheen: Vec3::ONE, sheen_roughness: roughness, ..paint }),
+            ("glass", Principled::glass(1.5, roughness)),
+            ("diamond", Principled::glass(2.4, roughness)),
+            ("what is all but air", Principled::glass(1.1, roughness)),
+            ("a bubble in glass", Principled::glass(1.0 / 1.5, roughness)),
+            ("a pane", Principled { thin_walled: true, ..Principled::glass(1.5, roughness) }),
+            ("a mixture", Principled { metallic: 0.3, transmission: 0.6, coat: 0.5, ..paint }),
         ];
         for (name, material) in materials {
             let floor = floor(material);
             for degrees in ANGLES {
                 for is_above in [true, false] {
                     let (mean, error) = energy(&floor, arriving(degrees, is_above));
-                    let what = format!("{name}, roughness {roughness}, {degrees} degrees: {mean}");
+                    let what = format!(
+                        "{name}, roughness {roughness}, {degrees} degrees, {is_above}: {mean}"
+                    );
                     assert!((mean - 1.0).abs() < 0.005, "{what}");
                     assert!(mean < 1.0 + 3.0 * error + 0.002, "{what} +- {error}");
-                }
-            }
-        }
-    }
-}
-
-/// What several microfacets would deflect is lost, and nothing is made.
-#[test]
-fn rough_glass_makes_no_light_and_smooth_glass_loses_none() {
-    for roughness in [0.0, 0.1, 0.3, 0.6, 1.0] {
-        for ior in [1.1, 1.5, 2.4, 1.0 / 1.5] {
-            let floor = floor(Principled::glass(ior, roughness));
-            for degrees in ANGLES {
-                for is_above in [true, false] {
-                    let (mean, error) = energy(&floor, arriving(degrees, is_above));
-                    let what = format!("index {ior}, roughness {roughness}, {degrees} degrees");
-                    assert!(mean <= 1.0 + 3.0 * error + ROUNDING, "{what}: {mean} +- {error}");
-                    let least = if roughness <= 0.1 { 0.97 } else { 0.15 };
-                    assert!(mean > least, "{what}: {mean}");
                 }
             }
         }
@@ -222,7 +231,8 @@ fn both_directions_are_worth_the_same() {
                 // Where light crosses, radiance is squeezed by the squared ratio of the indices
                 // (Veach 1997, equation 5.14).
                 let (into, out) = (bsdf_value(&floor, a, -b), bsdf_value(&floor, -b, a));
-                let squeezed = out / f64::from(material.ior * material.ior);
+                let ior = if material.thin_walled { 1.0 } else { material.ior };
+                let squeezed = out / f64::from(ior * ior);
                 let close = (into - squeezed).length() <= 1e-3 * (into + squeezed).length() + 1e-9;
                 assert!(close, "{name}, through, {a} and {b}: {into} {squeezed}");
             }

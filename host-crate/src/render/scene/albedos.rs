@@ -1,24 +1,48 @@
-//! The table of albedos of rough surfaces, in the layout of
+//! The tables of albedos of rough surfaces, in the layout of
 //! [`raystream_shaders::scene::bsdf::albedo`].
 
 use glam::{UVec4, Vec2, Vec3};
 use rayon::prelude::*;
 use raystream_shaders::scene::bsdf::albedo::{AlbedoView, ROWS_PER_ROUGHNESS, SIDE};
+use raystream_shaders::scene::bsdf::boundary::{dielectric_fresnel, refract};
 use raystream_shaders::scene::bsdf::ggx::Ggx;
+use raystream_shaders::scene::bsdf::reflector::grazing;
+use raystream_shaders::scene::bsdf::sheen;
 use std::sync::OnceLock;
 
-/// Points along one axis of the square over which microfacets are integrated.
-const POINTS: u32 = 64;
+/// Points of the lattice over which directions are integrated, and its generator: two Fibonacci
+/// numbers, one after the other (Niederreiter, "Random Number Generation and Quasi-Monte Carlo
+/// Methods", 1992, section 5.1). Where light is lost is a step in the square, along which the
+/// points of a grid would line up.
+const POINTS: u32 = 4181;
+const GENERATOR: u32 = 2584;
 /// Intervals of the integral over angles, for each of the table's.
 const STEPS: u32 = 16;
 
-/// The rows of the table, which are made once.
-pub fn table() -> &'static [UVec4] {
+/// The rows of the table of surfaces, which is made once: how much by Schlick's two terms.
+pub fn of_surface() -> &'static [UVec4] {
     static TABLE: OnceLock<Vec<UVec4>> = OnceLock::new();
-    TABLE.get_or_init(make)
+    TABLE.get_or_init(|| tabulate(surface))
 }
 
-fn make() -> Vec<UVec4> {
+/// The rows of the table of a boundary of this index of refraction: how much light one microfacet
+/// sends on that is seen from outside, and from inside.
+pub fn of_boundary(ior: f32) -> Vec<UVec4> {
+    tabulate(|roughness, cosine| {
+        let side = |from_outside| boundary(roughness, cosine, ior, from_outside);
+        Vec2::new(side(true), side(false))
+    })
+}
+
+/// The rows of the table of sheen, which is made once: how much it reflects, and nothing.
+pub fn of_sheen() -> &'static [UVec4] {
+    static TABLE: OnceLock<Vec<UVec4>> = OnceLock::new();
+    let pair = |place, cosine| Vec2::new(fibres(sheen::roughness_at(place), cosine), 0.0);
+    TABLE.get_or_init(|| tabulate(pair))
+}
+
+/// The table of a pair that is a function of the roughness and of the cosine.
+fn tabulate(directional: impl Fn(f32, f32) -> Vec2 + Sync) -> Vec<UVec4> {
     let places: Vec<(u32, u32)> =
         (0..SIDE).flat_map(|roughness| (0..SIDE).map(move |angle| (roughness, angle))).collect();
     let albedos: Vec<Vec2> = places
@@ -47,24 +71,67 @@ fn pairs(values: &[Vec2]) -> Vec<UVec4> {
     rows.collect()
 }
 
+/// The direction of a cosine.
+fn towards(cosine: f32) -> Vec3 {
+    let cosine = cosine.max(1e-4);
+    Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine)
+}
+
+/// The mean of a function over the points of the unit square.
+fn over_square(value: impl Fn([f32; 2]) -> Vec2) -> Vec2 {
+    let middle = |k: u32| (k as f32 + 0.5) / POINTS as f32;
+    let points = (0..POINTS).map(|k| [middle(k), middle(k * GENERATOR % POINTS)]);
+    let sum: glam::DVec2 = points.map(|point| value(point).as_dvec2()).sum();
+    (sum / f64::from(POINTS)).as_vec2()
+}
+
 /// The albedo under a `cosine`, by the microfacets that are seen from there: for each, the weight
 /// of its reflection, by Schlick's two terms.
-fn directional(roughness: f32, cosine: f32) -> Vec2 {
+fn surface(roughness: f32, cosine: f32) -> Vec2 {
     let ggx = Ggx::of_roughness(roughness);
-    let cosine = cosine.max(1e-4);
-    let o = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-    let middle = |k: u32| (k as f32 + 0.5) / POINTS as f32;
-    let mut sum = glam::DVec2::ZERO;
-    for k in 0..POINTS * POINTS {
-        let h = ggx.sample_visible(o, [middle(k % POINTS), middle(k / POINTS)]);
+    let o = towards(cosine);
+    over_square(|point| {
+        let h = ggx.sample_visible(o, point);
         let i = (-o).reflect(h);
-        if i.z > 0.0 {
-            let weight = ggx.masking_reflected(o, i) / ggx.masking(o);
-            let fifth = (1.0 - o.dot(h).clamp(0.0, 1.0)).powi(5);
-            sum += Vec2::new(weight * (1.0 - fifth), weight * fifth).as_dvec2();
+        if i.z <= 0.0 {
+            return Vec2::ZERO;
         }
-    }
-    (sum / f64::from(POINTS * POINTS)).as_vec2()
+        let weight = ggx.masking_reflected(o, i) / ggx.masking(o);
+        let fifth = grazing(o.dot(h).clamp(0.0, 1.0));
+        Vec2::new(weight * (1.0 - fifth), weight * fifth)
+    })
+}
+
+/// The same of a boundary: for each microfacet the weights of reflection and of passage.
+fn boundary(roughness: f32, cosine: f32, ior: f32, from_outside: bool) -> f32 {
+    let ggx = Ggx::of_roughness(roughness);
+    let o = towards(cosine);
+    let eta = if from_outside { ior } else { 1.0 / ior };
+    let whole = over_square(|point| {
+        let h = ggx.sample_visible(o, point);
+        let here = o.dot(h).clamp(0.0, 1.0);
+        let reflected = dielectric_fresnel(here, eta);
+        let up = (-o).reflect(h);
+        let mut weight = 0.0;
+        if up.z > 0.0 {
+            weight += reflected * ggx.masking_reflected(o, up) / ggx.masking(o);
+        }
+        if reflected < 1.0 {
+            let down = refract(o, h, here, eta);
+            if down.z < 0.0 {
+                weight += (1.0 - reflected) * ggx.masking_transmitted(o, down) / ggx.masking(o);
+            }
+        }
+        Vec2::new(weight, 0.0)
+    });
+    whole.x
+}
+
+/// The albedo of sheen under a `cosine`, by directions spread evenly over the hemisphere.
+fn fibres(roughness: f32, cosine: f32) -> f32 {
+    let o = towards(cosine);
+    over_square(|point| Vec2::new(sheen::value(roughness, o, sheen::sample(point)), 0.0)).x
+        / sheen::PDF
 }
 
 /// The mean of a roughness's albedos, weighted by the cosine, by Simpson's rule over the cosine's
@@ -87,8 +154,8 @@ mod tests {
 
     #[test]
     fn the_table_has_its_rows_and_mirrors_reflect_all() {
-        assert_eq!(table().len(), ROWS as usize);
-        let view = AlbedoView { rows: table(), first: 0 };
+        assert_eq!(of_surface().len(), ROWS as usize);
+        let view = AlbedoView { rows: of_surface(), first: 0 };
         for cosine in [0.05, 0.3, 1.0] {
             let albedo = view.directional(0.0, cosine);
             assert!((albedo.x + albedo.y - 1.0).abs() < 1e-3, "{cosine}: {albedo}");
@@ -100,7 +167,7 @@ mod tests {
 
     #[test]
     fn rougher_surfaces_lose_more_to_several_reflections() {
-        let view = AlbedoView { rows: table(), first: 0 };
+        let view = AlbedoView { rows: of_surface(), first: 0 };
         let means: Vec<f32> = (0..SIDE).map(|k| view.mean(fraction(k)).element_sum()).collect();
         assert!(means.windows(2).all(|pair| pair[1] <= pair[0] + 1e-4), "{means:?}");
         // Slope 1: Kulla and Conty 2017 have some 0.55 for a mean albedo of one reflection.

@@ -1,10 +1,13 @@
 //! The table of materials.
 
-use crate::scene::{Channel, Material, Principled, Reflectance, Scene, TextureId};
-use glam::Vec3;
-use raystream_shaders::scene::bsdf::principled::Layers;
+use super::albedos;
+use crate::scene::{Channel, Material, Opacity, Principled, Reflectance, Scene, TextureId};
+use glam::{UVec4, Vec3};
+use raystream_shaders::scene::bsdf::albedo;
+use raystream_shaders::scene::bsdf::layers::{BLEND, Layers, MASK, THIN};
 use raystream_shaders::scene::bsdf::{self, MaterialKind};
 use raystream_shaders::scene::texture::NO_TEXTURE;
+use std::collections::BTreeMap;
 
 /// The materials of a scene, then one for each of its quad lights; `places` says where each texture
 /// lies.
@@ -18,31 +21,117 @@ fn place(texture: Option<TextureId>, places: &[u32]) -> u32 {
     texture.map_or(NO_TEXTURE, |texture| places[texture.0 as usize])
 }
 
-/// What principled materials have beside the [`table`], for all of a scene's materials; nothing
-/// where none is principled.
-pub fn layers(scene: &Scene, places: &[u32]) -> Vec<Layers> {
-    let place_of = |texture: Option<TextureId>| place(texture, places);
-    let channel = |map: Option<Channel>| map.map_or(0, |map| map.channel);
+/// What principled materials have beside the [`table`].
+pub struct Layered {
+    /// For each of the scene's materials.
+    pub layers: Vec<Layers>,
+    /// The albedos of boundaries and of sheen, as far as there are any.
+    pub albedos: Vec<UVec4>,
+}
+
+/// The same for all of a scene's materials; nothing where none is principled.
+pub fn layered(scene: &Scene, places: &[u32]) -> Layered {
     let is_principled = |material: &Material| matches!(material, Material::Principled(_));
     if !scene.materials.iter().any(is_principled) {
-        return Vec::new();
+        return Layered { layers: Vec::new(), albedos: Vec::new() };
     }
+    let mut tables = Tables::new(scene.materials.len() as u32);
     let layers = scene.materials.iter().map(|material| match material {
-        Material::Principled(principled) => Layers {
-            specular: principled.specular,
-            metallic: principled.metallic,
-            roughness: principled.roughness,
-            transmission: principled.transmission,
-            roughness_map: place_of(principled.maps.roughness.map(|map| map.texture)),
-            metallic_map: place_of(principled.maps.metallic.map(|map| map.texture)),
-            normal_map: place_of(principled.maps.normal.map(|map| map.texture)),
-            normal_scale: principled.maps.normal.map_or(1.0, |map| map.scale),
-            channels: channel(principled.maps.roughness) | channel(principled.maps.metallic) << 8,
-            pad: 0,
-        },
+        Material::Principled(principled) => layers(principled, &mut tables, places),
         _ => Layers::NONE,
     });
-    layers.collect()
+    let layers = layers.collect();
+    Layered { layers, albedos: tables.rows }
+}
+
+/// Tables of albedos, one of a kind, behind each other.
+struct Tables {
+    rows: Vec<UVec4>,
+    /// Rows from the albedos of surfaces to these.
+    first: u32,
+    /// Where the table of each index of refraction begins, by its bits.
+    boundaries: BTreeMap<u32, u32>,
+    sheen: Option<u32>,
+}
+
+impl Tables {
+    fn new(materials: u32) -> Self {
+        Self {
+            rows: Vec::new(),
+            first: albedo::ROWS + materials * Layers::ROWS,
+            boundaries: BTreeMap::new(),
+            sheen: None,
+        }
+    }
+
+    /// Adds a table; where it begins.
+    fn add(&mut self, table: &[UVec4]) -> u32 {
+        let first = self.first + self.rows.len() as u32;
+        self.rows.extend(table);
+        first
+    }
+
+    fn boundary(&mut self, principled: &Principled) -> u32 {
+        if principled.transmission == 0.0 || principled.thin_walled {
+            // A thin one looks up what surfaces have.
+            return 0;
+        }
+        let ior = principled.distinct_ior();
+        let key = ior.to_bits();
+        if let Some(&first) = self.boundaries.get(&key) {
+            return first;
+        }
+        let first = self.add(&albedos::of_boundary(ior));
+        self.boundaries.insert(key, first);
+        first
+    }
+
+    fn sheen(&mut self, principled: &Principled) -> u32 {
+        if principled.sheen == Vec3::ZERO {
+            return 0;
+        }
+        match self.sheen {
+            Some(first) => first,
+            None => {
+                let first = self.add(albedos::of_sheen());
+                *self.sheen.insert(first)
+            }
+        }
+    }
+}
+
+fn layers(principled: &Principled, tables: &mut Tables, places: &[u32]) -> Layers {
+    let place_of = |texture: Option<TextureId>| place(texture, places);
+    let channel = |map: Option<Channel>| map.map_or(0, |map| map.channel);
+    let (opacity, alpha, cutoff) = match principled.opacity {
+        Opacity::Opaque => (0, 1.0, 0.0),
+        Opacity::Mask { alpha, cutoff } => (MASK, alpha, cutoff),
+        Opacity::Blend { alpha } => (BLEND, alpha, 0.0),
+    };
+    Layers {
+        specular: principled.specular,
+        metallic: principled.metallic,
+        roughness: principled.roughness,
+        transmission: principled.transmission,
+        roughness_map: place_of(principled.maps.roughness.map(|map| map.texture)),
+        metallic_map: place_of(principled.maps.metallic.map(|map| map.texture)),
+        normal_map: place_of(principled.maps.normal.map(|map| map.texture)),
+        normal_scale: principled.maps.normal.map_or(1.0, |map| map.scale),
+        channels: channel(principled.maps.roughness) | channel(principled.maps.metallic) << 8,
+        boundary_albedos: tables.boundary(principled),
+        sheen: principled.sheen,
+        sheen_roughness: principled.sheen_roughness,
+        coat: principled.coat,
+        coat_roughness: principled.coat_roughness,
+        sheen_albedos: tables.sheen(principled),
+        flags: opacity | if principled.thin_walled { THIN } else { 0 },
+        alpha,
+        cutoff,
+        pad0: 0,
+        pad1: 0,
+        absorption: principled.absorption(),
+        pad2: 0,
+    }
 }
 
 /// The material as the kernels read it.
@@ -71,13 +160,14 @@ fn pack(material: Material, places: &[u32]) -> bsdf::Material {
         Material::Emissive { radiance, reflectance } => {
             bsdf::Material { kind: MaterialKind::DIFFUSE, reflectance, emission: radiance, ..plain }
         }
-        Material::Principled(Principled { base_colour, ior, emission, maps, .. }) => {
+        Material::Principled(principled) => {
+            let Principled { base_colour, emission, maps, .. } = principled;
             bsdf::Material {
                 kind: MaterialKind::PRINCIPLED,
                 reflectance: base_colour,
                 texture: place(maps.base_colour, places),
                 emission,
-                ior,
+                ior: principled.distinct_ior(),
                 ..plain
             }
         }

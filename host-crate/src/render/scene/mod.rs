@@ -14,13 +14,16 @@ mod triangles;
 use self::bvh::BvhQuality;
 use self::environment::{Ball, PackedEnvironment};
 use self::geometry::Geometry;
+use self::materials::Layered;
 use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
 use crate::scene::{Camera, Material, PathLimits, Scene};
 use bytemuck::{Pod, Zeroable};
-use glam::UVec4;
-use raystream_shaders::scene::abilities::{ALL, ENVIRONMENT, Fixed, PRINCIPLED, TEXTURES};
+use glam::{UVec4, Vec3};
+use raystream_shaders::scene::abilities::{
+    ABSORPTION, ALL, COVER, ENVIRONMENT, Fixed, HOLES, PRINCIPLED, TEXTURES,
+};
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
 use raystream_shaders::scene::{SceneParams, SceneView};
 
@@ -72,7 +75,7 @@ impl PreparedScene {
         let first_planes = append(&mut geometry, &triangles::planes(&triangles, &bvh.order));
         let first_order = append(&mut geometry, &rows_of(&bvh.order));
         let mut surfaces = triangles::shading(&triangles, &bvh.order);
-        let layers = materials::layers(scene, &places);
+        let Layered { layers, albedos: further } = materials::layered(scene, &places);
         let params = SceneParams {
             background: scene.background,
             lights: lights.table.len() as u32,
@@ -90,8 +93,9 @@ impl PreparedScene {
         };
         if !layers.is_empty() {
             // Right behind the lights, where the kernels look for them.
-            append(&mut surfaces, albedos::table());
+            append(&mut surfaces, albedos::of_surface());
             append(&mut surfaces, &layers);
+            append(&mut surfaces, &further);
         }
         Ok(Self {
             geometry,
@@ -133,11 +137,20 @@ fn abilities(scene: &Scene, params: &SceneParams) -> u32 {
     let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
     let has_textures = any(|material| material.textures().next().is_some());
     let is_principled = any(|material| matches!(material, Material::Principled(_)));
+    let has_cover = any(|material| matches!(material, Material::Principled(p) if p.has_cover()));
+    let has_holes = any(Material::has_holes);
+    let absorbs =
+        any(|material| matches!(material, Material::Principled(p) if p.absorption() != Vec3::ZERO));
     let has_environment = params.environment != NO_ENVIRONMENT;
-    [(has_textures, TEXTURES), (has_environment, ENVIRONMENT), (is_principled, PRINCIPLED)]
-        .into_iter()
-        .filter(|(uses, _)| *uses)
-        .fold(0, |word, (_, ability)| word | ability)
+    let uses = [
+        (has_textures, TEXTURES),
+        (has_environment, ENVIRONMENT),
+        (is_principled, PRINCIPLED),
+        (has_cover, COVER),
+        (has_holes, HOLES),
+        (absorbs, ABSORPTION),
+    ];
+    uses.into_iter().filter(|(uses, _)| *uses).fold(0, |word, (_, ability)| word | ability)
 }
 
 /// Four words to a row, the last filled up by zeros.
@@ -158,7 +171,7 @@ fn append<T: Pod>(rows: &mut Vec<UVec4>, elements: &[T]) -> u32 {
 mod tests {
     use super::*;
     use raystream_shaders::scene::bsdf;
-    use raystream_shaders::scene::bsdf::principled::Layers;
+    use raystream_shaders::scene::bsdf::layers::Layers;
     use raystream_shaders::scene::light::Light;
     use raystream_shaders::scene::triangle::Attributes;
 

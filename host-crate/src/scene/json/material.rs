@@ -1,7 +1,7 @@
 //! The rule that a scene file gives for a material.
 
-use super::values::{Colour, Ior, Radiance, Share};
-use crate::scene::material::{Material, Principled, Reflectance};
+use super::values::{AttenuationDistance, Colour, Ior, Radiance, Share};
+use crate::scene::material::{Attenuation, Material, Opacity, Principled, Reflectance};
 use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::rule::{MaterialRule, TexturedRule};
 use glam::Vec3;
@@ -41,10 +41,25 @@ struct MaterialKeys {
     roughness: Option<Share>,
     #[serde(default, deserialize_with = "present")]
     transmission: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    thin_walled: Option<bool>,
+    #[serde(default, deserialize_with = "present")]
+    attenuation: Option<Colour>,
+    #[serde(default, deserialize_with = "present")]
+    attenuation_distance: Option<AttenuationDistance>,
+    #[serde(default, deserialize_with = "present")]
+    coat: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    coat_roughness: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    sheen: Option<Colour>,
+    #[serde(default, deserialize_with = "present")]
+    sheen_roughness: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    alpha: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    alpha_cutoff: Option<Share>,
 }
-
-/// The keys that principled materials alone have.
-const OF_PRINCIPLED: [&str; 3] = ["metallic", "roughness", "transmission"];
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -105,7 +120,7 @@ impl TryFrom<MaterialKeys> for FileMaterial {
             }
             MaterialKind::Principled => {
                 keys.refuse("a principled", &["transmittance"])?;
-                let (material, reflectance) = keys.principled();
+                let (material, reflectance) = keys.principled()?;
                 match needed("a principled", "reflectance", reflectance)? {
                     Albedo::Colour(Colour(colour)) => {
                         plain(material.with_reflectance(Reflectance::Colour(colour)))
@@ -124,17 +139,60 @@ impl TryFrom<MaterialKeys> for FileMaterial {
 
 impl MaterialKeys {
     /// A principled material but for its reflectance, and that.
-    fn principled(self) -> (Material, Option<Albedo>) {
+    fn principled(self) -> Result<(Material, Option<Albedo>), String> {
         let share = |key: Option<Share>, default| key.map_or(default, |Share(share)| share);
         let plain = Principled::paint(Vec3::ONE, share(self.roughness, 0.5));
+        let opacity = match (self.alpha, self.alpha_cutoff) {
+            (None, None) => Opacity::Opaque,
+            (Some(Share(alpha)), None) => Opacity::Blend { alpha },
+            (alpha, Some(Share(cutoff))) => Opacity::Mask { alpha: share(alpha, 1.0), cutoff },
+        };
+        let emission = self.radiance.map_or(plain.emission, |Radiance(radiance)| radiance);
+        if opacity != Opacity::Opaque && emission != Vec3::ZERO {
+            let what = "what has a `radiance` is opaque: leave out `alpha` and `alpha_cutoff`";
+            return Err(what.to_owned());
+        }
+        let attenuation = match (self.attenuation, self.attenuation_distance) {
+            (Some(Colour(colour)), Some(AttenuationDistance(distance))) => {
+                Some(Attenuation { colour, distance })
+            }
+            (None, None) => None,
+            _ => return Err("`attenuation` and `attenuation_distance` need each other".to_owned()),
+        };
         let material = Principled {
+            attenuation,
             metallic: share(self.metallic, plain.metallic),
             transmission: share(self.transmission, plain.transmission),
+            thin_walled: self.thin_walled.unwrap_or(plain.thin_walled),
             ior: self.ior.map_or(plain.ior, |Ior(ior)| ior),
-            emission: self.radiance.map_or(plain.emission, |Radiance(radiance)| radiance),
+            coat: share(self.coat, plain.coat),
+            coat_roughness: share(self.coat_roughness, plain.coat_roughness),
+            sheen: self.sheen.map_or(plain.sheen, |Colour(colour)| colour),
+            sheen_roughness: share(self.sheen_roughness, plain.sheen_roughness),
+            opacity,
+            emission,
             ..plain
         };
-        (Material::Principled(material), self.reflectance)
+        Ok((Material::Principled(material), self.reflectance))
+    }
+
+    /// The keys that are given and that principled materials alone have.
+    fn of_principled(&self) -> impl Iterator<Item = &'static str> {
+        let keys = [
+            ("metallic", self.metallic.is_some()),
+            ("roughness", self.roughness.is_some()),
+            ("transmission", self.transmission.is_some()),
+            ("thin_walled", self.thin_walled.is_some()),
+            ("attenuation", self.attenuation.is_some()),
+            ("attenuation_distance", self.attenuation_distance.is_some()),
+            ("coat", self.coat.is_some()),
+            ("coat_roughness", self.coat_roughness.is_some()),
+            ("sheen", self.sheen.is_some()),
+            ("sheen_roughness", self.sheen_roughness.is_some()),
+            ("alpha", self.alpha.is_some()),
+            ("alpha_cutoff", self.alpha_cutoff.is_some()),
+        ];
+        keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
     }
 
     /// Fails if one of these keys is given, or one that only principled materials have.
@@ -143,16 +201,11 @@ impl MaterialKeys {
             "reflectance" => self.reflectance.is_some(),
             "radiance" => self.radiance.is_some(),
             "ior" => self.ior.is_some(),
-            "transmittance" => self.transmittance.is_some(),
-            "metallic" => self.metallic.is_some(),
-            "roughness" => self.roughness.is_some(),
-            _ => self.transmission.is_some(),
+            _ => self.transmittance.is_some(),
         };
-        let others = match self.kind {
-            MaterialKind::Principled => [].iter(),
-            _ => OF_PRINCIPLED.iter(),
-        };
-        match keys.iter().chain(others).find(|key| is_given(key)) {
+        let is_principled = matches!(self.kind, MaterialKind::Principled);
+        let other = self.of_principled().next().filter(|_| !is_principled);
+        match keys.iter().copied().find(|key| is_given(key)).or(other) {
             Some(key) => Err(format!("{kind} material has no key `{key}`")),
             None => Ok(()),
         }

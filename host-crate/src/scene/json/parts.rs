@@ -44,12 +44,12 @@ pub(super) struct Parts<'a> {
 }
 
 /// What the triangles of a material are made of.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 enum Surface {
     /// Nothing: they are left out.
     Null,
     Plain(MaterialId),
-    Textured(Textured),
+    Textured(Box<Textured>),
 }
 
 /// A material with a texture.
@@ -107,7 +107,7 @@ impl<'a> Parts<'a> {
     /// Adds a part and its material.
     pub(super) fn add(&mut self, part: &Part, scene: &mut Scene) -> Result<(), SceneError> {
         let surface = match self.surfaces.get(&part.material) {
-            Some(surface) => *surface,
+            Some(surface) => surface.clone(),
             None => self.surface(&part.material, scene)?,
         };
         let (material, map, surface) = match surface {
@@ -195,16 +195,16 @@ impl<'a> Parts<'a> {
         let name = name.to_string();
         match (self.pictures.load(self.names.source, &rule.path), &rule.otherwise) {
             (Ok(texture), _) => {
-                if self.pictures.has_alpha(texture) {
+                if self.pictures.has_alpha(texture) && !rule.material.has_holes() {
                     let thing = format!("alpha of {}", rule.path.display());
                     self.summary.note(path, line, Fate::Opaque, &thing, &name);
                 }
-                Ok(Surface::Textured(Textured {
+                Ok(Surface::Textured(Box::new(Textured {
                     material: rule.material,
                     texture,
                     map: rule.map,
                     materials: [None; 2],
-                }))
+                })))
             }
             (Err(error), Some(otherwise)) => {
                 let thing = error.to_string();

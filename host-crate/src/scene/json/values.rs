@@ -70,6 +70,8 @@ checked! {
     AngleOfView(f32) = bounds::angle_of_view, of f64 as "f64";
     /// A width or height in pixels.
     FilmSide(u32) = bounds::film_side, of i64 as "i64";
+    /// A distance after which light is coloured, in world units.
+    AttenuationDistance(f32) = bounds::attenuation_distance, of f64 as "f64";
     /// A number of path segments.
     Depth(u32) = bounds::depth, of i64 as "i64";
 }

@@ -89,7 +89,7 @@ impl<A: Abilities> EyeTracer<'_, A> {
     fn extend(&self, path: &mut EyePath, numbers: &RandomNumbers, depth: u32) -> bool {
         let render = &self.params.path;
         path.rays += 1;
-        let hit = self.scene.bvh.closest_hit(&path.ray);
+        let hit = self.scene.closest_hit(&path.ray);
         if !hit.is_some() {
             // No other technique finds the background.
             path.radiance += path.throughput * self.scene.background;
@@ -99,6 +99,7 @@ impl<A: Abilities> EyeTracer<'_, A> {
         let surface = Surface::at(&self.scene.surfaces, &path.ray, &hit);
         let incoming = path.ray.direction;
         let arriving = cosine(surface.point.normal, incoming);
+        path.throughput *= surface.transmittance(hit.t);
         path.subpath = path.subpath.arrive(hit.t, arriving);
         if surface.emits() {
             let light_pdf = self.scene.lights.area_pdf(surface.emission);
@@ -243,7 +244,7 @@ impl<A: Abilities> EyeTracer<'_, A> {
             return;
         }
         path.rays += 1;
-        if !self.scene.bvh.is_occluded(segment) {
+        if !self.scene.is_occluded(segment) {
             path.radiance += radiance;
         }
     }

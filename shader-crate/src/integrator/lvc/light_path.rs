@@ -36,7 +36,7 @@ pub fn trace_light_paths(
     let mut vertices = 0;
     let mut segment = 1;
     while segment <= params.light_segments {
-        let hit = scene.bvh.closest_hit(&path.ray);
+        let hit = scene.closest_hit(&path.ray);
         if !hit.is_some() {
             break;
         }
@@ -138,6 +138,7 @@ impl LightPath {
     fn arrive(&mut self, surface: &Surface<'_, impl Abilities>, distance: f32) {
         let distance = if self.is_from_infinity { 1.0 } else { distance };
         self.is_from_infinity = false;
+        self.throughput *= surface.transmittance(distance);
         self.subpath =
             self.subpath.arrive(distance, cosine(surface.point.normal, self.ray.direction));
     }
@@ -187,14 +188,13 @@ impl LightPath {
 }
 
 /// The weight of a direction by the adjoint BSDF (Veach 1997, equation 5.19): what a light path's
-/// throughput is multiplied by where it arrived along `incoming`. Flux that crosses a boundary is
-/// not scaled by the indices of refraction.
+/// throughput is multiplied by where it arrived along `incoming`.
 pub fn adjoint_weight(
     surface: &Surface<'_, impl Abilities>,
     incoming: Vec3,
     sample: &BsdfSample,
 ) -> Vec3 {
-    let weight = sample.weight * (sample.eta * sample.eta);
+    let weight = surface.bsdf.weight_of_flux(incoming, sample);
     let (normal, geometric) = (surface.bsdf.normal, surface.point.normal);
     let shading = cosine(normal, incoming) / cosine(normal, sample.direction);
     let bent = cosine(geometric, sample.direction) / cosine(geometric, incoming);

@@ -69,7 +69,7 @@ fn splat(
         return Splat::NOTHING;
     }
     let from = light.point(scene.surfaces.offset_roundings).offset_towards(direction);
-    if scene.bvh.is_occluded(&Ray::segment(from, camera.origin - from, 1.0)) {
+    if scene.is_occluded(&Ray::segment(from, camera.origin - from, 1.0)) {
         return Splat::NOTHING;
     }
     Splat { radiance, pixel }

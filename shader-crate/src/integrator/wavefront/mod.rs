@@ -124,7 +124,7 @@ pub fn trace_queue(
         }
         params.path.camera_ray(slot, &params.path.numbers(slot))
     };
-    pool.set_hit(rows, lane, &scene.bvh.closest_hit(&ray));
+    pool.set_hit(rows, lane, &scene.closest_hit(&ray));
 }
 
 /// Kernel: what the path of lane `lane` does at the end of its segment. `goes_on` becomes 1 if it
@@ -190,7 +190,7 @@ pub fn shadow_queue(
         return;
     }
     let shadow = pool.shadow(rows, lane);
-    let is_visible = !scene.bvh.is_occluded(&Ray::segment(shadow.origin, shadow.direction, 1.0));
+    let is_visible = !scene.is_occluded(&Ray::segment(shadow.origin, shadow.direction, 1.0));
     let mut gathered = pool.gathered(rows, lane);
     if is_visible {
         gathered.radiance += arriving.radiance;

@@ -12,6 +12,10 @@
 //! of an angle: a(i), b(i), a(i + 1), b(i + 1) for i in 0..SIDE - 1, SIDE times
 //! of the mean: a(j), b(j), a(j + 1), b(j + 1) for j in 0..SIDE - 1
 //! ```
+//!
+//! Tables of the same layout have, for the [boundary](super::boundary) of an index of refraction,
+//! the shares of light that one microfacet sends on, from outside (`a`) and from inside (`b`); and
+//! for [sheen](super::sheen) what it reflects (`a`).
 
 use crate::glam::{UVec4, Vec2};
 use crate::memory::access::at;

@@ -8,11 +8,16 @@
 //! `direction` points away from the surface, where the path goes on. Both have unit length.
 
 pub mod albedo;
+pub mod boundary;
+pub mod cover;
 mod dielectric;
 pub mod diffuse;
 pub mod ggx;
+pub mod layers;
 mod mirror;
 pub mod principled;
+pub mod reflector;
+pub mod sheen;
 
 use crate::glam::{UVec4, Vec3};
 use crate::memory::device_struct;
@@ -20,7 +25,8 @@ use crate::memory::rows::{float, vector};
 use crate::scene::abilities::{Abilities, PRINCIPLED};
 use albedo::AlbedoView;
 use dielectric::Dielectric;
-use principled::{Layers, Principled};
+use layers::Layers;
+use principled::Principled;
 
 /// Which BSDF a material has.
 #[cfg_attr(
@@ -175,9 +181,9 @@ impl<F: Abilities> Bsdf<'_, F> {
         self.principled().eval(self.normal, self.from_outside, incoming, direction)
     }
 
-    fn principled(&self) -> Principled<'_> {
-        let Self { reflectance, layers, ior, albedos, .. } = *self;
-        Principled { colour: reflectance, layers, ior, albedos }
+    fn principled(&self) -> Principled<'_, F> {
+        let Self { reflectance, layers, ior, albedos, abilities, .. } = *self;
+        Principled { colour: reflectance, layers, ior, albedos, abilities }
     }
 
     /// What it says of a given `direction`. Density 0: no light comes from there. Delta
@@ -212,15 +218,36 @@ impl<F: Abilities> Bsdf<'_, F> {
     /// delta distributions are left out.
     #[inline(always)]
     pub fn pdf_back(&self, incoming: Vec3, direction: Vec3) -> f32 {
-        let crosses = direction.dot(self.normal) < 0.0;
-        let normal = if crosses { -self.normal } else { self.normal };
         if self.is_principled() {
-            let from_outside = self.from_outside != crosses;
-            self.principled().eval(normal, from_outside, -direction, -incoming).pdf
+            self.eval_back(incoming, direction).pdf
         } else if self.is_delta() {
             0.0
         } else {
-            diffuse::pdf(normal, -incoming)
+            let crosses = direction.dot(self.normal) < 0.0;
+            diffuse::pdf(if crosses { -self.normal } else { self.normal }, -incoming)
+        }
+    }
+
+    /// What a principled material says of light from where the path arrived along `incoming`, as
+    /// `direction` sees it.
+    fn eval_back(&self, incoming: Vec3, direction: Vec3) -> BsdfSample {
+        let crosses = direction.dot(self.normal) < 0.0;
+        let normal = if crosses { -self.normal } else { self.normal };
+        let from_outside = self.from_outside != crosses;
+        self.principled().eval(normal, from_outside, -direction, -incoming)
+    }
+
+    /// What flux that arrived along `incoming` is multiplied by where `sample` was picked: the BSDF
+    /// with the directions changed, times the cosine of `sample`, over its density (Veach 1997,
+    /// section 3.7.6). Flux that crosses a boundary is not squeezed.
+    pub fn weight_of_flux(&self, incoming: Vec3, sample: &BsdfSample) -> Vec3 {
+        if self.is_principled() && sample.pdf > 0.0 {
+            let back = self.eval_back(incoming, sample.direction);
+            let here = self.normal.dot(incoming).abs().max(f32::MIN_POSITIVE);
+            let there = self.normal.dot(sample.direction).abs();
+            back.weight * (back.pdf / sample.pdf * (there / here))
+        } else {
+            sample.weight * (sample.eta * sample.eta)
         }
     }
 

@@ -1,9 +1,9 @@
 //! The principled material: paint, metal and rough glass in one record.
 //!
 //! A mixture, by `metallic` and `transmission`, of three: a metal, a diffuse base under a smooth or
-//! rough dielectric surface, and the rough boundary of a dielectric. It is what glTF 2.0 calls
-//! metallic-roughness with `KHR_materials_ior` and `KHR_materials_transmission`, and a part of
-//! OpenPBR.
+//! rough dielectric surface, and the rough boundary of a dielectric; all under a [cover]. It is what
+//! glTF 2.0 calls metallic-roughness with `KHR_materials_ior`, `KHR_materials_transmission`,
+//! `KHR_materials_clearcoat` and `KHR_materials_sheen`, and a part of OpenPBR.
 //!
 //! Its lobes are
 //!
@@ -12,113 +12,29 @@
 //!   both ways, and what light has been reflected by several microfacets. Both are those of Kulla
 //!   and Conty, "Revisiting Physically Based Shading at Imageworks", 2017: nothing is lost, and
 //!   both directions are worth the same;
-//! - *boundary*: reflection and refraction by the microfacets of a dielectric (Walter et al. 2007)
-//!   with Fresnel's equations. Light that several microfacets would deflect is lost.
+//! - *boundary*: reflection and refraction by a microfacet of a [boundary];
+//! - *below*: what several microfacets of the boundary let pass, which follows the cosine on the
+//!   far side.
 
 use super::BsdfSample;
 use super::albedo::AlbedoView;
-use super::dielectric::fresnel;
+use super::boundary::Boundary;
+use super::cover::Cover;
 use super::ggx::Ggx;
-use crate::glam::{UVec4, Vec2, Vec3, Vec4};
+use super::layers::Layers;
+use super::reflector::{Albedo, Reflector};
+use crate::glam::Vec3;
 use crate::math::{sample_cosine_hemisphere, tangent_frame};
-use crate::memory::device_struct;
-use crate::memory::rows::{float, vector};
-use crate::scene::texture::{NO_TEXTURE, TextureView};
+use crate::scene::abilities::{Abilities, COVER};
 use core::f32::consts::FRAC_1_PI;
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
 
 /// Least cosine of a direction from which a surface is seen: at the horizon densities have no
 /// digits.
 const HORIZON: f32 = 1e-4;
 
-device_struct! {
-    /// What the principled material has beside [`Material`](super::Material). 48 bytes.
-    pub struct Layers {
-        /// Share of reflection at normal incidence that a dielectric surface has, as a factor of
-        /// what its index of refraction says, linear Rec.709.
-        pub specular: Vec3,
-        /// Share of metal, in [0, 1].
-        pub metallic: f32,
-        /// Roughness, in [0, 1]; see [`Ggx::of_roughness`].
-        pub roughness: f32,
-        /// Share of light that the base lets pass rather than reflects diffusely, in [0, 1].
-        pub transmission: f32,
-        /// The texture that multiplies the roughness, or
-        /// [`NO_TEXTURE`].
-        pub roughness_map: u32,
-        /// The texture that multiplies the share of metal, or [`NO_TEXTURE`].
-        pub metallic_map: u32,
-        /// The texture of normals, or [`NO_TEXTURE`].
-        pub normal_map: u32,
-        /// What that texture's slopes are multiplied by.
-        pub normal_scale: f32,
-        /// Which of its texture's channels, 0 to 3, the roughness has, and, 8 bits further, the
-        /// share of metal.
-        pub channels: u32,
-        /// Unused; zero.
-        pub pad: u32,
-    }
-}
-
-impl Layers {
-    /// Rows of one.
-    pub const ROWS: u32 = 3;
-    /// Those of other materials.
-    pub const NONE: Self = Self {
-        specular: Vec3::ONE,
-        metallic: 0.0,
-        roughness: 0.0,
-        transmission: 0.0,
-        roughness_map: NO_TEXTURE,
-        metallic_map: NO_TEXTURE,
-        normal_map: NO_TEXTURE,
-        normal_scale: 1.0,
-        channels: 0,
-        pad: 0,
-    };
-
-    /// Unpacks the three rows, which are the struct's memory.
-    pub fn from_rows(rows: [UVec4; 3]) -> Self {
-        Self {
-            specular: vector(rows[0]),
-            metallic: float(rows[0]),
-            roughness: f32::from_bits(rows[1].x),
-            transmission: f32::from_bits(rows[1].y),
-            roughness_map: rows[1].z,
-            metallic_map: rows[1].w,
-            normal_map: rows[2].x,
-            normal_scale: f32::from_bits(rows[2].y),
-            channels: rows[2].z,
-            pad: rows[2].w,
-        }
-    }
-
-    /// The layers at a point, of these texture coordinates.
-    pub fn textured(mut self, textures: &TextureView<'_>, uv: Vec2) -> Self {
-        if self.roughness_map != NO_TEXTURE {
-            let codes = textures.codes(self.roughness_map, uv.x, uv.y);
-            self.roughness *= channel(codes, self.channels & 0xff);
-        }
-        if self.metallic_map != NO_TEXTURE {
-            let codes = textures.codes(self.metallic_map, uv.x, uv.y);
-            self.metallic *= channel(codes, self.channels >> 8 & 0xff);
-        }
-        self
-    }
-
-    /// What the map of normals says at a point, of these texture coordinates: its normal in tangent
-    /// space, of any length.
-    pub fn slopes(&self, textures: &TextureView<'_>, uv: Vec2) -> Vec3 {
-        let codes = textures.codes(self.normal_map, uv.x, uv.y);
-        let normal = Vec3::new(codes.x, codes.y, codes.z) * 2.0 - Vec3::ONE;
-        Vec3::new(normal.x * self.normal_scale, normal.y * self.normal_scale, normal.z)
-    }
-}
-
 /// The material at a point.
 #[derive(Clone, Copy)]
-pub struct Principled<'a> {
+pub struct Principled<'a, F> {
     /// Colour of the base, of the metal and of what passes, linear Rec.709 in [0, 1].
     pub colour: Vec3,
     /// The rest of it.
@@ -127,59 +43,8 @@ pub struct Principled<'a> {
     pub ior: f32,
     /// Tables of albedos.
     pub albedos: AlbedoView<'a>,
-}
-
-/// What microfacets with one Fresnel term reflect.
-#[derive(Clone, Copy)]
-struct Reflector {
-    /// Reflectance at normal incidence.
-    f0: Vec3,
-    /// Reflectance, by several of them, of light that one has not let go, in the mean.
-    several: Vec3,
-}
-
-/// How a direction sees the [table of albedos](super::albedo) at a roughness.
-#[derive(Clone, Copy)]
-struct Albedo {
-    /// Factor of the reflectance at normal incidence.
-    a: f32,
-    /// What is reflected besides.
-    b: f32,
-    /// Share of light that is left for several reflections.
-    missed: f32,
-}
-
-impl Albedo {
-    fn new(pair: Vec2) -> Self {
-        Self { a: pair.x, b: pair.y, missed: (1.0 - pair.x - pair.y).max(0.0) }
-    }
-}
-
-impl Reflector {
-    /// With several reflections by Fdez-Agüera, "A Multiple-Scattering Microfacet Model for
-    /// Real-Time Image-based Lighting", JCGT 8(1), 2019: a geometric series of the mean.
-    fn new(f0: Vec3, mean: Albedo) -> Self {
-        let f_mean = f0 + (Vec3::ONE - f0) * (1.0 / 21.0);
-        let several = f_mean * f_mean * (1.0 - mean.missed) / (Vec3::ONE - f_mean * mean.missed);
-        Self { f0, several }
-    }
-
-    /// Reflectance of one microfacet that is seen under a `cosine` (Schlick 1994).
-    fn schlick(&self, cosine: f32) -> Vec3 {
-        let rest = 1.0 - cosine;
-        let square = rest * rest;
-        self.f0 + (Vec3::ONE - self.f0) * (square * square * rest)
-    }
-
-    /// What one reflection leaves of a direction's light.
-    fn once(&self, albedo: Albedo) -> Vec3 {
-        self.f0 * albedo.a + albedo.b
-    }
-
-    /// What gets past the microfacets.
-    fn passes(&self, albedo: Albedo) -> Vec3 {
-        Vec3::ONE - self.once(albedo) - self.several * albedo.missed
-    }
+    /// What the scene uses.
+    pub abilities: F,
 }
 
 /// The lobes as a direction `o` sees them.
@@ -195,14 +60,15 @@ struct Lobes {
     here: Albedo,
     mean: Albedo,
     /// Share of the material that is a boundary.
-    boundary: f32,
-    /// Index of refraction on the far side over that on `o`'s side.
-    eta: f32,
-    /// Probabilities of the lobes surface and base; the rest is the boundary's.
-    chances: [f32; 2],
+    transmission: f32,
+    boundary: Boundary,
+    /// Probabilities of the lobes surface, base and below; the rest is the boundary's.
+    chances: [f32; 3],
+    /// What lies over all of these.
+    cover: Cover,
 }
 
-impl Principled<'_> {
+impl<F: Abilities> Principled<'_, F> {
     /// BSDF times cosine over density, and density per solid angle, of a `direction` that light
     /// comes from where the path arrived along `incoming`; `normal` is the shading normal on the
     /// side that it came from, `from_outside` says which side that is.
@@ -233,18 +99,11 @@ impl Principled<'_> {
         let frame = Frame::new(normal);
         let o = frame.seen(incoming);
         let lobes = self.lobes(o, from_outside);
-        let [surface, base] = lobes.chances;
-        let mut crosses = false;
-        let i = if lobe < surface {
-            (-o).reflect(lobes.ggx.sample_visible(o, u))
-        } else if lobe < surface + base {
-            sample_cosine_hemisphere(Vec3::Z, u)
+        let (i, crosses) = if self.abilities.has(COVER) && lobes.cover.takes(lobe) {
+            (lobes.cover.sample(o, u, lobe), false)
         } else {
-            let h = lobes.ggx.sample_visible(o, u);
-            let rest = (lobe - surface - base) / (1.0 - surface - base).max(f32::MIN_POSITIVE);
-            let cosine = o.dot(h).clamp(0.0, 1.0);
-            crosses = rest >= dielectric_fresnel(cosine, lobes.eta);
-            if crosses { refract(o, h, cosine, lobes.eta) } else { (-o).reflect(h) }
+            let lobe = if self.abilities.has(COVER) { lobes.cover.rest(lobe) } else { lobe };
+            lobes.sample(o, u, lobe)
         };
         let i = i.normalize();
         let mut sample = self.evaluate(&lobes, o, i, frame.world(i));
@@ -259,8 +118,8 @@ impl Principled<'_> {
 
     fn lobes(&self, o: Vec3, from_outside: bool) -> Lobes {
         let layers = &self.layers;
-        let boundary = (1.0 - layers.metallic) * layers.transmission;
-        let opaque = 1.0 - boundary;
+        let transmission = (1.0 - layers.metallic) * layers.transmission;
+        let opaque = 1.0 - transmission;
         let metal = layers.metallic / opaque.max(f32::MIN_POSITIVE);
         let straight = (self.ior - 1.0) / (self.ior + 1.0);
         let here = Albedo::new(self.albedos.directional(layers.roughness, o.z));
@@ -273,10 +132,22 @@ impl Principled<'_> {
             several: over_base.several.lerp(of_metal.several, metal),
         };
         let base = self.colour * (1.0 - metal);
+        let mut boundary = Boundary::NONE;
+        if transmission > 0.0 {
+            let (thin, albedos) = (layers.is_thin(), self.boundary_albedos());
+            boundary = Boundary::new(o, layers.roughness, self.ior, thin, from_outside, albedos);
+        }
         let once = surface.once(here).max_element() * opaque;
         let cosine = surface.several * here.missed + base * over_base.passes(here);
-        let cosine = cosine.max_element() * opaque;
-        let all = once + cosine + boundary;
+        let several = boundary.missed * transmission;
+        let cosine = cosine.max_element() * opaque + several * (1.0 - boundary.crossing());
+        let below = several * boundary.crossing();
+        let all = once + cosine + transmission - several + below;
+        // What is seen from within a body has its cover behind it.
+        let mut cover = Cover::NONE;
+        if self.abilities.has(COVER) && (from_outside || transmission == 0.0) {
+            cover = Cover::new(layers, o, self.albedos, all);
+        }
         Lobes {
             ggx: Ggx::of_roughness(layers.roughness),
             surface,
@@ -284,17 +155,23 @@ impl Principled<'_> {
             base,
             here,
             mean,
+            transmission,
             boundary,
-            eta: if from_outside { self.ior } else { 1.0 / self.ior },
-            chances: [once / all, cosine / all],
+            chances: [once / all, cosine / all, below / all],
+            cover,
         }
+    }
+
+    /// Where the albedos of the boundary lie; those of a surface, if that is thin.
+    fn boundary_albedos(&self) -> AlbedoView<'_> {
+        AlbedoView { first: self.albedos.first + self.layers.boundary_albedos, ..self.albedos }
     }
 
     /// What is to be said of light from `i`, whose direction in the world is `direction`.
     fn evaluate(&self, lobes: &Lobes, o: Vec3, i: Vec3, direction: Vec3) -> BsdfSample {
-        let [surface, base] = lobes.chances;
-        let boundary_chance = (1.0 - surface - base).max(0.0);
-        let opaque = 1.0 - lobes.boundary;
+        let [surface, base, below] = lobes.chances;
+        let boundary_chance = (1.0 - surface - base - below).max(0.0);
+        let opaque = 1.0 - lobes.transmission;
         let mut value = Vec3::ZERO;
         let mut pdf = 0.0;
         let mut eta = 1.0;
@@ -303,28 +180,30 @@ impl Principled<'_> {
             let cosine = o.dot(h).clamp(0.0, 1.0);
             let lobe = lobes.ggx.distribution(h) / (4.0 * o.z);
             let both = lobes.ggx.masking_reflected(o, i);
-            let half_pdf = lobes.ggx.masking(o) * lobe;
             value += lobes.surface.schlick(cosine) * (opaque * both * lobe);
-            pdf += surface * half_pdf;
+            pdf += surface * lobes.ggx.masking(o) * lobe;
             value += self.cosine_lobe(lobes, i) * (opaque * i.z * FRAC_1_PI);
             pdf += base * i.z * FRAC_1_PI;
-            if lobes.boundary > 0.0 {
-                let reflected = dielectric_fresnel(cosine, lobes.eta);
-                value += Vec3::splat(lobes.boundary * reflected * both * lobe);
-                pdf += boundary_chance * reflected * half_pdf;
+        }
+        if lobes.transmission > 0.0 && i.z != 0.0 {
+            let scattered = lobes.boundary.scattered(o, i, self.boundary_albedos());
+            let mut tint = Vec3::ONE;
+            if i.z < 0.0 {
+                eta = lobes.boundary.eta();
+                tint = self.colour;
+                pdf += below * -i.z * FRAC_1_PI;
             }
-        } else if i.z < 0.0 && lobes.boundary > 0.0 {
-            eta = lobes.eta;
-            let h = lobes.refracting(o, i);
-            let (near, far) = (o.dot(h), i.dot(h));
-            if near > 0.0 && far < 0.0 {
-                let passes = 1.0 - dielectric_fresnel(near, eta);
-                let spread = near + eta * far;
-                let lobe =
-                    lobes.ggx.distribution(h) * near * -far * (eta * eta) / (spread * spread * o.z);
-                let both = lobes.ggx.masking_transmitted(o, i);
-                value += self.colour * (lobes.boundary * passes * both * lobe / (eta * eta));
-                pdf += boundary_chance * passes * lobes.ggx.masking(o) * lobe;
+            value += tint * (lobes.transmission * (scattered.once + scattered.several));
+            pdf += boundary_chance * scattered.once_pdf;
+        }
+        if self.abilities.has(COVER) {
+            let [coat, sheen] = lobes.cover.chances;
+            value *= lobes.cover.passes;
+            pdf *= (1.0 - coat - sheen).max(0.0);
+            if i.z > 0.0 {
+                let (reflected, density) = lobes.cover.reflects(o, i);
+                value += reflected;
+                pdf += density;
             }
         }
         let weight = if pdf > 0.0 { value / pdf } else { Vec3::ZERO };
@@ -344,36 +223,20 @@ impl Principled<'_> {
 }
 
 impl Lobes {
-    /// The normal, on `o`'s side, of microfacets that refract from `o` to `i`.
-    fn refracting(&self, o: Vec3, i: Vec3) -> Vec3 {
-        let h = (o + i * self.eta).normalize();
-        if h.z < 0.0 { -h } else { h }
-    }
-}
-
-/// Where light goes that a microfacet of normal `h`, which `o` sees under this `cosine`, refracts.
-fn refract(o: Vec3, h: Vec3, cosine: f32, eta: f32) -> Vec3 {
-    let far = (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt();
-    -o / eta + h * (cosine / eta - far)
-}
-
-/// Fresnel's reflectance under a `cosine` on the near side, where the far side has `eta` times the
-/// index of refraction.
-fn dielectric_fresnel(cosine: f32, eta: f32) -> f32 {
-    let sin2 = (1.0 - cosine * cosine) / (eta * eta);
-    if sin2 >= 1.0 { 1.0 } else { fresnel(cosine, (1.0 - sin2).sqrt(), eta) }
-}
-
-/// The channel of this number.
-fn channel(codes: Vec4, number: u32) -> f32 {
-    if number == 0 {
-        codes.x
-    } else if number == 1 {
-        codes.y
-    } else if number == 2 {
-        codes.z
-    } else {
-        codes.w
+    /// A direction, and whether it crosses the surface.
+    fn sample(&self, o: Vec3, u: [f32; 2], lobe: f32) -> (Vec3, bool) {
+        let [surface, base, below] = self.chances;
+        let single = surface + base + below;
+        if lobe < surface {
+            ((-o).reflect(self.ggx.sample_visible(o, u)), false)
+        } else if lobe < surface + base {
+            (sample_cosine_hemisphere(Vec3::Z, u), false)
+        } else if lobe < single {
+            (sample_cosine_hemisphere(-Vec3::Z, u), true)
+        } else {
+            let choice = (lobe - single) / (1.0 - single).max(f32::MIN_POSITIVE);
+            self.boundary.sample(o, u, choice)
+        }
     }
 }
 

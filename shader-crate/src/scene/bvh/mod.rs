@@ -32,6 +32,20 @@ pub const MAX_DEPTH: u32 = 32;
 /// A node group's bits of children still to visit.
 const PENDING: u32 = 0xff00_0000;
 
+/// Which hit of a ray is looked for. Both are known when a kernel is compiled.
+#[derive(Clone, Copy)]
+pub struct Order {
+    /// Any one, rather than the nearest.
+    pub any: bool,
+    /// Only those behind one that is given.
+    pub behind: bool,
+}
+
+impl Order {
+    /// The nearest one.
+    pub const NEAREST: Self = Self { any: false, behind: false };
+}
+
 /// The BVH of a scene and the triangles in its leaves.
 #[derive(Clone, Copy)]
 pub struct BvhView<'a> {
@@ -50,13 +64,21 @@ impl<'a> BvhView<'a> {
 
     /// The nearest triangle that `ray` hits in `0 < t < ray.t_max`; of several the first in the
     /// scene.
+    #[inline(always)]
     pub fn closest_hit(&self, ray: &Ray) -> Hit {
-        self.traverse::<false>(ray)
+        self.traverse(ray, &Hit::miss(0.0), Order::NEAREST)
+    }
+
+    /// The next hit of `ray` behind `passed`, which is one of its hits.
+    #[inline(always)]
+    pub fn closest_hit_behind(&self, ray: &Ray, passed: &Hit) -> Hit {
+        self.traverse(ray, passed, Order { any: false, behind: true })
     }
 
     /// Whether `ray` hits any triangle in `0 < t < ray.t_max`.
+    #[inline(always)]
     pub fn is_occluded(&self, ray: &Ray) -> bool {
-        self.traverse::<true>(ray).is_some()
+        self.traverse(ray, &Hit::miss(0.0), Order { any: true, behind: false }).is_some()
     }
 
     /// In turns: a ray that has triangles to test tests two of them, one that has none visits a
@@ -67,7 +89,7 @@ impl<'a> BvhView<'a> {
     /// 12 nodes and 6.5 triangles each, would take 20 turns with 106 tests, one lane in sixteen at
     /// work; by two a turn they take 26 turns with 47.
     #[inline(always)]
-    fn traverse<const ANY_HIT: bool>(&self, ray: &Ray) -> Hit {
+    pub fn traverse(&self, ray: &Ray, passed: &Hit, order: Order) -> Hit {
         let box_ray = BoxRay::new(ray);
         let mut hit = Hit::miss(ray.t_max);
         let mut stack = scratch::<UVec2, { MAX_DEPTH as usize }>();
@@ -114,9 +136,9 @@ impl<'a> BvhView<'a> {
                 triangles &= triangles.wrapping_sub(1);
                 // Both are loaded before one is tested, so that one latency hides the other.
                 let planes = (self.planes(first), self.planes(second));
-                self.test::<ANY_HIT>(&planes.0, ray, first, &mut hit);
-                self.test::<ANY_HIT>(&planes.1, ray, second, &mut hit);
-                if ANY_HIT && hit.is_some() {
+                self.test(&planes.0, ray, first, passed, order, &mut hit);
+                self.test(&planes.1, ray, second, passed, order, &mut hit);
+                if order.any && hit.is_some() {
                     // Nothing is left to do.
                     triangles = 0;
                     is_last = true;
@@ -129,13 +151,24 @@ impl<'a> BvhView<'a> {
     }
 
     /// Makes triangle number `index`, whose planes these are, the hit of `ray` where it is the
-    /// nearer one or, unless any will do, as near and earlier in the scene.
+    /// nearer one or, unless any will do, as near and earlier in the scene; if it must lie behind
+    /// the hit `passed`, only then.
     #[inline(always)]
-    pub fn test<const ANY_HIT: bool>(&self, planes: &Planes, ray: &Ray, index: u32, hit: &mut Hit) {
+    pub fn test(
+        &self,
+        planes: &Planes,
+        ray: &Ray,
+        index: u32,
+        passed: &Hit,
+        order: Order,
+        hit: &mut Hit,
+    ) {
         let (t, u, v) = planes.intersect(ray.origin, ray.direction);
         let is_nearer = t > 0.0 && t < hit.t;
-        let is_hit = is_nearer || !ANY_HIT && t == hit.t && self.precedes(index, hit.triangle);
-        if is_hit {
+        let is_hit = is_nearer || !order.any && t == hit.t && self.precedes(index, hit.triangle);
+        let is_behind =
+            !order.behind || t > passed.t || t == passed.t && self.follows(index, passed.triangle);
+        if is_hit && is_behind {
             *hit = Hit { t, u, v, triangle: index };
         }
     }
@@ -143,6 +176,11 @@ impl<'a> BvhView<'a> {
     /// Whether triangle number `index` is earlier in the scene than number `other`, if that is one.
     fn precedes(&self, index: u32, other: u32) -> bool {
         other != NO_TRIANGLE && self.scene_triangle(index) < self.scene_triangle(other)
+    }
+
+    /// Whether triangle number `index` is later in the scene than number `other`, if that is one.
+    fn follows(&self, index: u32, other: u32) -> bool {
+        other != NO_TRIANGLE && self.scene_triangle(other) < self.scene_triangle(index)
     }
 
     /// The number in the scene of the triangle number `index` in the order of the leaves.

@@ -187,6 +187,9 @@ impl Entry {
             roughness: self.share("pr", exponent.map_or(DEFAULT_ROUGHNESS, rough))?,
             ior: bounds::ior(ior).map_err(|what| self.error("ni", what))?,
             transmission: f32::from(u8::from(is_glass)),
+            coat: self.share("pc", 0.0)?,
+            coat_roughness: self.share("pcr", 0.0)?,
+            sheen: Vec3::splat(self.share("ps", 0.0)?),
             emission: self.radiance("ke")?,
             ..Principled::paint(DEFAULT_REFLECTANCE, 0.0)
         })

@@ -1,0 +1,184 @@
+//! What a principled material has beside [`Material`](super::Material): its record in memory, and
+//! what textures make of that at a point.
+
+use crate::glam::{UVec4, Vec2, Vec3, Vec4};
+use crate::memory::device_struct;
+use crate::memory::rows::{float, vector};
+use crate::scene::texture::{NO_TEXTURE, TextureView};
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float as _;
+
+/// [`Layers::flags`]: what passes does not enter a body.
+pub const THIN: u32 = 1 << 0;
+/// [`Layers::flags`]: what is less opaque than [`Layers::cutoff`] is a hole.
+pub const MASK: u32 = 1 << 1;
+/// [`Layers::flags`]: what is not opaque is a hole by chance.
+pub const BLEND: u32 = 1 << 2;
+
+device_struct! {
+    /// The record. 112 bytes.
+    pub struct Layers {
+        /// Share of reflection at normal incidence that a dielectric surface has, as a factor of
+        /// what its index of refraction says, linear Rec.709.
+        pub specular: Vec3,
+        /// Share of metal, in [0, 1].
+        pub metallic: f32,
+        /// Roughness, in [0, 1]; see [`Ggx::of_roughness`](super::ggx::Ggx::of_roughness).
+        pub roughness: f32,
+        /// Share of light that the base lets pass rather than reflects diffusely, in [0, 1].
+        pub transmission: f32,
+        /// The texture that multiplies the roughness, or
+        /// [`NO_TEXTURE`].
+        pub roughness_map: u32,
+        /// The texture that multiplies the share of metal, or [`NO_TEXTURE`].
+        pub metallic_map: u32,
+        /// The texture of normals, or [`NO_TEXTURE`].
+        pub normal_map: u32,
+        /// What that texture's slopes are multiplied by.
+        pub normal_scale: f32,
+        /// Which of its texture's channels, 0 to 3, the roughness has, and, 8 bits further, the
+        /// share of metal.
+        pub channels: u32,
+        /// Rows from the albedos of surfaces to those of the boundary, where light passes.
+        pub boundary_albedos: u32,
+        /// Colour of the sheen, linear Rec.709 in [0, 1].
+        pub sheen: Vec3,
+        /// Roughness of the sheen, in [0, 1]; see [`super::sheen`].
+        pub sheen_roughness: f32,
+        /// Share of the surface that has a coat, in [0, 1].
+        pub coat: f32,
+        /// Roughness of the coat, in [0, 1].
+        pub coat_roughness: f32,
+        /// Rows from the albedos of surfaces to those of sheen, where there is any.
+        pub sheen_albedos: u32,
+        /// [`THIN`], [`MASK`], [`BLEND`], or none.
+        pub flags: u32,
+        /// Opacity, in [0, 1], which the alpha of the reflectance's texture multiplies.
+        pub alpha: f32,
+        /// The least opacity of what is no hole, in [0, 1].
+        pub cutoff: f32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// What the body behind the front takes of light, linear Rec.709, by world unit.
+        pub absorption: Vec3,
+        /// Unused; zero.
+        pub pad2: u32,
+    }
+}
+
+impl Layers {
+    /// Rows of one.
+    pub const ROWS: u32 = 7;
+    /// Those of other materials.
+    pub const NONE: Self = Self {
+        specular: Vec3::ONE,
+        metallic: 0.0,
+        roughness: 0.0,
+        transmission: 0.0,
+        roughness_map: NO_TEXTURE,
+        metallic_map: NO_TEXTURE,
+        normal_map: NO_TEXTURE,
+        normal_scale: 1.0,
+        channels: 0,
+        boundary_albedos: 0,
+        sheen: Vec3::ZERO,
+        sheen_roughness: 0.0,
+        coat: 0.0,
+        coat_roughness: 0.0,
+        sheen_albedos: 0,
+        flags: 0,
+        alpha: 1.0,
+        cutoff: 0.0,
+        pad0: 0,
+        pad1: 0,
+        absorption: Vec3::ZERO,
+        pad2: 0,
+    };
+
+    /// Unpacks the seven rows, which are the struct's memory.
+    pub fn from_rows(rows: [UVec4; 7]) -> Self {
+        Self {
+            specular: vector(rows[0]),
+            metallic: float(rows[0]),
+            roughness: f32::from_bits(rows[1].x),
+            transmission: f32::from_bits(rows[1].y),
+            roughness_map: rows[1].z,
+            metallic_map: rows[1].w,
+            normal_map: rows[2].x,
+            normal_scale: f32::from_bits(rows[2].y),
+            channels: rows[2].z,
+            boundary_albedos: rows[2].w,
+            sheen: vector(rows[3]),
+            sheen_roughness: float(rows[3]),
+            coat: f32::from_bits(rows[4].x),
+            coat_roughness: f32::from_bits(rows[4].y),
+            sheen_albedos: rows[4].z,
+            flags: rows[4].w,
+            alpha: f32::from_bits(rows[5].x),
+            cutoff: f32::from_bits(rows[5].y),
+            pad0: rows[5].z,
+            pad1: rows[5].w,
+            absorption: vector(rows[6]),
+            pad2: rows[6].w,
+        }
+    }
+
+    /// Whether what passes does not enter a body.
+    pub fn is_thin(&self) -> bool {
+        self.flags & THIN != 0
+    }
+
+    /// The share of light that is left after this `distance` through the body behind the front, by
+    /// Beer's law.
+    pub fn transmittance(&self, distance: f32) -> Vec3 {
+        let lost = self.absorption * -distance;
+        Vec3::new(lost.x.exp(), lost.y.exp(), lost.z.exp())
+    }
+
+    /// Whether it may have holes.
+    pub fn has_holes(&self) -> bool {
+        self.flags & (MASK | BLEND) != 0
+    }
+
+    /// Whether there is a hole where the opacity is `alpha`, in [0, 1], by a number of chance in
+    /// [0, 1).
+    pub fn is_hole(&self, alpha: f32, chance: f32) -> bool {
+        if self.flags & MASK != 0 { alpha < self.cutoff } else { alpha <= chance }
+    }
+
+    /// The layers at a point, of these texture coordinates.
+    pub fn textured(mut self, textures: &TextureView<'_>, uv: Vec2) -> Self {
+        if self.roughness_map != NO_TEXTURE {
+            let codes = textures.codes(self.roughness_map, uv.x, uv.y);
+            self.roughness *= channel(codes, self.channels & 0xff);
+        }
+        if self.metallic_map != NO_TEXTURE {
+            let codes = textures.codes(self.metallic_map, uv.x, uv.y);
+            self.metallic *= channel(codes, self.channels >> 8 & 0xff);
+        }
+        self
+    }
+
+    /// What the map of normals says at a point, of these texture coordinates: its normal in tangent
+    /// space, of any length.
+    pub fn slopes(&self, textures: &TextureView<'_>, uv: Vec2) -> Vec3 {
+        let codes = textures.codes(self.normal_map, uv.x, uv.y);
+        let normal = Vec3::new(codes.x, codes.y, codes.z) * 2.0 - Vec3::ONE;
+        Vec3::new(normal.x * self.normal_scale, normal.y * self.normal_scale, normal.z)
+    }
+}
+
+/// The channel of this number.
+fn channel(codes: Vec4, number: u32) -> f32 {
+    if number == 0 {
+        codes.x
+    } else if number == 1 {
+        codes.y
+    } else if number == 2 {
+        codes.z
+    } else {
+        codes.w
+    }
+}
