@@ -13,7 +13,7 @@ use raystream_tests::{scenes, with_gpu};
 fn textured() -> Scene {
     let mut scene = scenes::empty(Vec3::new(0.0, 1.0, 3.0), Vec3::ZERO);
     let texels = vec![[255, 0, 0, 255], [0, 255, 0, 255]];
-    let texture = scene.add_texture(Texture { width: 2, height: 1, texels });
+    let texture = scene.add_texture(Texture::new(2, 1, texels));
     let material = scene.add_material(Material::textured(texture));
     let corners = [Vec2::new(-1.0, -1.0), Vec2::new(1.0, -1.0), Vec2::new(0.0, 1.0)];
     let positions = corners.map(|c| Vec3::new(c.x, 0.0, -c.y)).to_vec();
