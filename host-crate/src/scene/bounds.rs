@@ -20,7 +20,7 @@ const MAX_ROTATION: f64 = 1e5;
 /// Environments are made so many times as bright, at most.
 const MAX_STRENGTH: f64 = 1e6;
 /// Pictures have at most this many pixels a side, so that all of them are numbered by a u32.
-const MAX_FILM_SIDE: u32 = 16_384;
+pub(super) const MAX_FILM_SIDE: u32 = 16_384;
 /// Indices of refraction lie between the inverse of this and this.
 const MAX_IOR: f64 = 100.0;
 /// Textures are at most this wide and high, in texels.

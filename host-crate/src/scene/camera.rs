@@ -1,6 +1,7 @@
 //! The camera.
 
 use super::bounds;
+use super::film::FilmSize;
 use glam::Vec3;
 
 /// The smallest sine of the angle between the view and up.
@@ -17,6 +18,17 @@ pub struct Camera {
     pub up: Vec3,
     /// Vertical angle of view in degrees, in (0, 180).
     pub fov_y: f32,
+}
+
+/// A camera of a file that has several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedCamera {
+    /// What it is called.
+    pub name: String,
+    /// The camera.
+    pub camera: Camera,
+    /// The size of its picture.
+    pub film: FilmSize,
 }
 
 impl Camera {

@@ -1,7 +1,8 @@
 //! A scene as plain data.
 
-use super::camera::Camera;
-use super::environment::Environment;
+use super::camera::{Camera, NamedCamera};
+use super::environment::{Environment, LIT_BY_DEFAULT};
+use super::error::SceneError;
 use super::film::FilmSize;
 use super::light::QuadLight;
 use super::limits::PathLimits;
@@ -26,6 +27,8 @@ pub struct Scene {
     pub film: FilmSize,
     /// The camera.
     pub camera: Camera,
+    /// The cameras that may take its place, see [`Scene::use_camera`].
+    pub cameras: Vec<NamedCamera>,
     /// How long paths may be.
     pub limits: PathLimits,
     /// Radiance from where there is no surface, linear Rec.709, each component in [0, 1e12].
@@ -54,6 +57,7 @@ impl Scene {
             name: "scene".to_owned(),
             film,
             camera,
+            cameras: Vec::new(),
             limits: PathLimits::default(),
             background: Vec3::ZERO,
             environment: None,
@@ -88,9 +92,25 @@ impl Scene {
         self.quad_lights.push(light);
     }
 
+    /// Has the camera of this name make the picture, in the size that it asks for.
+    ///
+    /// # Errors
+    ///
+    /// When [`cameras`](Self::cameras) has none of that name.
+    pub fn use_camera(&mut self, name: &str) -> Result<(), SceneError> {
+        let Some(found) = self.cameras.iter().find(|camera| camera.name == name) else {
+            let known = self.cameras.iter().map(|camera| camera.name.clone()).collect();
+            return Err(SceneError::UnknownCamera { name: name.to_owned(), known });
+        };
+        self.camera = found.camera;
+        self.film = found.film;
+        Ok(())
+    }
+
     /// Has an environment light it, in place of the one that there may be. If that emits, warnings
     /// that nothing does are taken back.
     pub fn set_environment(&mut self, environment: Environment) {
+        self.warnings.retain(|warning| !warning.ends_with(LIT_BY_DEFAULT));
         if environment.emits() {
             self.warnings.retain(|warning| !warning.ends_with(DARK));
         }

@@ -1,7 +1,7 @@
 //! Scenes as plain data, and the loaders that end there.
 //!
-//! A [`Scene`] is loaded from a [file](load), from one of those that [ship](load_named), or built
-//! in code:
+//! A [`Scene`] is loaded from a [file](load) (a scene file of format 1 with its OBJ, a glTF or a
+//! PLY), from one of those that [ship](load_named), or built in code:
 //!
 //! ```
 //! use glam::Vec3;
@@ -22,10 +22,14 @@
 mod bounds;
 mod camera;
 mod check;
+mod clean;
 mod description;
 mod environment;
 mod error;
 mod film;
+mod formats;
+mod framing;
+mod gltf;
 mod json;
 mod light;
 mod limits;
@@ -36,6 +40,7 @@ pub(crate) mod mesh;
 mod obj;
 mod options;
 mod picture;
+mod ply;
 mod recentre;
 mod rule;
 mod shipped;
@@ -44,7 +49,7 @@ mod summary;
 mod text;
 mod texture;
 
-pub use camera::Camera;
+pub use camera::{Camera, NamedCamera};
 pub use check::InvalidScene;
 pub use description::Scene;
 pub use environment::Environment;
@@ -57,4 +62,4 @@ pub use material::{Channel, Maps, Material, MaterialId, NormalMap, Principled, R
 pub use mesh::Mesh;
 pub use options::LoadOptions;
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, shipped};
-pub use texture::{Texture, TextureId};
+pub use texture::{Texture, TextureId, Wrap};

@@ -1,7 +1,6 @@
 //! Scene files of format 1: JSON that names an OBJ, and says what its materials are, what lights it
 //! and where it is seen from.
 
-mod clean;
 mod defects;
 mod format;
 mod libraries;
@@ -19,8 +18,10 @@ use self::values::Object;
 use super::bounds;
 use super::description::{DARK, Scene};
 use super::error::SceneError;
+use super::formats::SceneBytes;
 use super::obj::{Obj, Part};
 use super::options::LoadOptions;
+use super::ply;
 use super::recentre::origin_of;
 use super::source::Source;
 use glam::DVec3;
@@ -28,45 +29,22 @@ use serde::de::Error as _;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// The text of a scene file.
-#[derive(Clone, Copy)]
-pub(super) struct SceneText<'a> {
-    /// What the file is called in messages.
-    pub path: &'a Path,
-    /// The folder that its paths start from.
-    pub folder: &'a Path,
-    pub text: &'a [u8],
-}
-
-/// Loads a scene file of format 1 whose files are in `source`.
-pub(super) fn load_from(
+/// Loads a scene from its scene file.
+pub(super) fn load(
     source: &dyn Source,
-    path: &Path,
+    SceneBytes { path, folder, bytes }: SceneBytes<'_>,
     options: LoadOptions,
 ) -> Result<Scene, SceneError> {
-    let text = &source.read(path, options.text_bytes())?;
-    let folder = if is_descriptor(path) { Path::new("") } else { parent(path) };
-    load_text(source, SceneText { path, folder, text }, options)
-}
-
-/// Whether a path is one of the program's open files: beside `/dev/stdin` there are no files.
-fn is_descriptor(path: &Path) -> bool {
-    let of_process = path.starts_with("/proc") && parent(path).ends_with("fd");
-    path == Path::new("/dev/stdin") || path.starts_with("/dev/fd") || of_process
-}
-
-/// Loads a scene from the text of its scene file.
-pub(super) fn load_text(
-    source: &dyn Source,
-    SceneText { path, folder, text }: SceneText<'_>,
-    options: LoadOptions,
-) -> Result<Scene, SceneError> {
-    let file = SceneFile::parse(path, text)?;
+    let file = SceneFile::parse(path, bytes)?;
     let names = Names { source, scene: path, folder };
     let obj_path = names.find("obj", &file.obj, &[folder])?;
-    let obj_text = source.read(&obj_path, options.obj_bytes())?;
+    let obj_text = source.read(&obj_path, options.geometry_bytes())?;
     let smooth = file.normals == Normals::Smooth;
-    let obj = Obj::parse(&obj_path, &obj_text, smooth, options.max_memory)?;
+    let obj = if ply::is_ply(&obj_text) {
+        ply::parse(&obj_path, &obj_text, smooth, options.max_memory)?
+    } else {
+        Obj::parse(&obj_path, &obj_text, smooth, options.max_memory)?
+    };
     check_overrides(path, &file, &obj)?;
 
     let origin = origin_of(obj.parts.iter().map(Part::positions));
@@ -129,10 +107,6 @@ fn wrong_key(path: &Path, key: &str, what: &str) -> SceneError {
     }
 }
 
-fn parent(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new(""))
-}
-
 fn check_overrides(path: &Path, file: &SceneFile, obj: &Obj) -> Result<(), SceneError> {
     let mut used: Vec<_> = obj.parts.iter().map(|part| part.material.to_string()).collect();
     // A material may have several parts.
@@ -144,20 +118,5 @@ fn check_overrides(path: &Path, file: &SceneFile, obj: &Obj) -> Result<(), Scene
         Ok(())
     } else {
         Err(SceneError::UnknownMaterials { path: path.to_owned(), names, used })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_open_files_have_no_folder() {
-        for path in ["/dev/stdin", "/dev/fd/63", "/proc/self/fd/0"] {
-            assert!(is_descriptor(Path::new(path)), "{path}");
-        }
-        for path in ["/dev/shm/scene.json", "/proc/scene.json", "stdin", "fd/0"] {
-            assert!(!is_descriptor(Path::new(path)), "{path}");
-        }
     }
 }

@@ -1,6 +1,5 @@
 //! Meshes and materials of an OBJ's parts.
 
-use super::clean::Cleaner;
 use super::defects;
 use super::format::{Normals, SceneFile};
 use super::libraries;
@@ -8,8 +7,10 @@ use super::material::FileMaterial;
 use super::names::Names;
 use super::values::Object;
 use crate::scene::bounds::MAX_COORDINATE;
+use crate::scene::clean::Cleaner;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
+use crate::scene::formats::parent;
 use crate::scene::material::{Material, MaterialId, Reflectance};
 use crate::scene::obj::mtl::{self, Describer, Library};
 use crate::scene::obj::texture_map::TextureMap;
@@ -166,7 +167,7 @@ impl<'a> Parts<'a> {
     }
 
     fn rule(&mut self, name: &Name) -> Result<MaterialRule, SceneError> {
-        let obj_folder = super::parent(self.obj_path);
+        let obj_folder = parent(self.obj_path);
         let shown = name.to_string();
         if let Some(Object(FileMaterial(rule))) = self.file.materials.get(&shown) {
             return self.names.with_found_texture(&shown, rule, obj_folder);

@@ -10,6 +10,7 @@ mod problem;
 pub(super) mod texture_map;
 mod vertices;
 
+pub(super) use faces::NO_MATERIAL;
 pub(super) use part::Part;
 
 use self::faces::{FaceGroup, Faces};

@@ -28,7 +28,7 @@ pub(in crate::scene) struct Part {
     /// of normals.
     pub dangling: [(usize, usize); 2],
     /// Positions, texture coordinates and normals, each with indices.
-    pub(super) mesh: tobj::Mesh,
+    pub(in crate::scene) mesh: tobj::Mesh,
 }
 
 impl Part {

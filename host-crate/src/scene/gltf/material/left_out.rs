@@ -1,0 +1,67 @@
+//! What a file says of a material and the picture does not show.
+
+use super::described::Reader;
+use crate::scene::error::SceneError;
+use crate::scene::summary::Fate;
+use gltf::json::Value;
+use gltf::json::material::Material;
+
+/// Extensions of materials that have no effect, the key of each whose value of 0 says that it has
+/// none anyway, and what becomes of it.
+const LEFT_OUT: [(&str, &str, &str); 6] = [
+    ("KHR_materials_clearcoat", "clearcoatFactor", "coats are left out: "),
+    ("KHR_materials_sheen", "sheenColorFactor", "sheen is left out: "),
+    ("KHR_materials_anisotropy", "anisotropyStrength", "surfaces are alike in all directions: "),
+    ("KHR_materials_iridescence", "iridescenceFactor", "thin films are left out: "),
+    ("KHR_materials_dispersion", "dispersion", "colours are not spread by glass: "),
+    (
+        "KHR_materials_diffuse_transmission",
+        "diffuseTransmissionFactor",
+        "no light passes diffusely: ",
+    ),
+];
+const OCCLUSION: Fate = Fate::Judged("light that does not come is found by tracing: ");
+const BACKS: Fate = Fate::Judged("backs are shown as fronts are: ");
+
+impl Reader<'_, '_> {
+    pub(super) fn note_what_is_left_out(&mut self, json: &Material) -> Result<(), SceneError> {
+        if json.occlusion_texture.is_some() {
+            self.note(OCCLUSION, "occlusionTexture");
+        }
+        if !json.double_sided {
+            self.note(BACKS, "doubleSided");
+        }
+        let Some(extensions) = &json.extensions else { return Ok(()) };
+        for (extension, key, what) in LEFT_OUT {
+            let value = extensions.others.get(extension);
+            if value.is_some_and(|value| value.get(key).is_some_and(|value| !is_zero(value))) {
+                self.note(Fate::Becomes(what), extension);
+            }
+        }
+        let volume = extensions.others.get("KHR_materials_volume");
+        if volume.is_some_and(absorbs) {
+            self.note(
+                Fate::Becomes("light is not absorbed on its way through: "),
+                "KHR_materials_volume",
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Whether a number is 0, or all of a list's are.
+fn is_zero(value: &Value) -> bool {
+    match value {
+        Value::Array(values) => values.iter().all(is_zero),
+        value => value.as_f64() == Some(0.0),
+    }
+}
+
+/// Whether a volume takes light away: over a distance, which is infinite by default, all but its
+/// colour.
+fn absorbs(volume: &Value) -> bool {
+    let colour = volume.get("attenuationColor").and_then(Value::as_array);
+    let is_coloured =
+        colour.is_some_and(|colour| colour.iter().any(|value| value.as_f64() != Some(1.0)));
+    is_coloured && volume.get("attenuationDistance").is_some()
+}
