@@ -9,6 +9,7 @@
 pub mod devices;
 pub mod executors;
 pub mod fuzz;
+pub mod gltf;
 pub mod histogram;
 pub mod large_scenes;
 pub mod materials;

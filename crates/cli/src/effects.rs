@@ -198,6 +198,7 @@ mod tests {
         "allocators",
         "bvh",
         "cache",
+        "camera",
         "checks",
         "denoise",
         "device",
