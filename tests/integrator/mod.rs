@@ -10,3 +10,4 @@ mod renders;
 mod slots;
 mod techniques;
 mod tracing;
+mod wrapping;

@@ -35,10 +35,12 @@ fn binary(is_big: bool) -> Vec<u8> {
     for (line, text) in body.lines().enumerate() {
         let words: Vec<f64> = text.split(' ').map(|word| word.parse().unwrap()).collect();
         for (at, &word) in words.iter().enumerate() {
-            bytes.extend(match (line, at) {
-                (0..5, 2) => order(word.to_le_bytes().to_vec()),
-                (0..5, 8) | (6.., 0 | 1) => vec![word as u8],
-                (0..5, _) => order((word as f32).to_le_bytes().to_vec()),
+            let (is_vertex, is_face) = (line < 5, line > 5);
+            bytes.extend(match at {
+                2 if is_vertex => order(word.to_le_bytes().to_vec()),
+                8 if is_vertex => vec![word as u8],
+                0 | 1 if is_face => vec![word as u8],
+                _ if is_vertex => order((word as f32).to_le_bytes().to_vec()),
                 _ => order((word as i32).to_le_bytes().to_vec()),
             });
         }
@@ -84,7 +86,7 @@ fn errors_say_where_a_file_is_wrong() {
         ("ply\n", "pl\n", vec!["does not begin with `ply`"]),
         ("format ascii 1.0", "format utf 1.0", vec!["the header", "Line 2"]),
         ("vertex 5", "vertex 500000", vec!["element vertex", "the file is shorter"]),
-        ("2 0 0.5", "2 0 x", vec!["element vertex", "'x'"]),
+        ("2 0 0.5", "2 0 x", vec!["element vertex", "2 0 x"]),
         ("2 0 0.5", "2 0 nan", vec!["element vertex, number 4", "no number"]),
         ("3 1 4 2", "3 1 5 2", vec!["element face, number 1", "vertex 5", "there are 5"]),
         ("3 1 4 2", "3 1 -4 2", vec!["element face, number 1", "not negative"]),

@@ -45,7 +45,7 @@ fn files_of_other_kinds_are_named() {
     ] {
         let message = given(name, content);
         assert!(message.contains(kind) && message.contains(name), "{message}");
-        assert!(message.contains("a scene is a JSON file"), "{message}");
+        assert!(message.contains("a JSON file that names an OBJ"), "{message}");
     }
     let folder = SceneFolder::new();
     let message = raystream::scene::load(&folder.path("")).unwrap_err().to_string();

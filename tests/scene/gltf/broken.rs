@@ -11,6 +11,7 @@ pub fn everything() -> Gltf {
     let mut gltf = Gltf::triangle();
     let normals = gltf.floats(&[[0.0, 0.0, 1.0]; 3]);
     let uvs = gltf.floats(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    let scales = gltf.floats(&[[1.0, 2.0, 1.0]; 3]);
     let colours = gltf.floats(&[[1.0, 0.5, 0.5, 1.0]; 3]);
     let indices = gltf.indices(&[0, 1, 2]);
     let joints = gltf.accessor(&[0; 12], U8, "VEC4", 3);
@@ -37,7 +38,7 @@ pub fn everything() -> Gltf {
     let skinned = gltf.add("nodes", json!({"mesh": mesh, "skin": 0}));
     gltf.json["nodes"][joint]["children"] = json!([skinned]);
     gltf.node(json!({"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing":
-        {"attributes": {"TRANSLATION": 0, "SCALE": normals}}}}));
+        {"attributes": {"TRANSLATION": 0, "SCALE": scales}}}}));
     gltf.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
     gltf.node(json!({"extensions": {"KHR_lights_punctual": {"light": 0}}}));
     gltf.json["extensionsUsed"] = json!(["KHR_materials_ior"]);
@@ -45,8 +46,8 @@ pub fn everything() -> Gltf {
 }
 
 /// Calls `visit` with the pointer of each value in a JSON.
-fn each(value: &Value, pointer: &str, visit: &mut impl FnMut(&str, &Value)) {
-    visit(pointer, value);
+fn each(value: &Value, pointer: &str, visit: &mut impl FnMut(&str)) {
+    visit(pointer);
     match value {
         Value::Array(elements) => {
             for (index, element) in elements.iter().enumerate() {
@@ -69,12 +70,7 @@ fn any_value_may_be_wrong_without_a_panic() {
     assert!(scene.triangle_count() >= 5, "{}", scene.triangle_count());
     let good = gltf.text();
     let mut pointers = Vec::new();
-    each(&good, "", &mut |pointer, value| {
-        // Lists of coordinates are many, and one tells as much as all.
-        if !value.is_null() {
-            pointers.push(pointer.to_owned());
-        }
-    });
+    each(&good, "", &mut |pointer| pointers.push(pointer.to_owned()));
     let others = [
         json!(7),
         json!(0),
