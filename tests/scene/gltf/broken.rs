@@ -123,6 +123,9 @@ fn any_file_may_be_cut_short() {
     }
 }
 
+/// What spoils a file, and what the error says.
+type Case<'a> = (&'a dyn Fn(&mut Value), &'a [&'a str]);
+
 #[test]
 fn errors_say_where_a_file_is_wrong() {
     let message = |change: &dyn Fn(&mut Value)| {
@@ -130,7 +133,7 @@ fn errors_say_where_a_file_is_wrong() {
         change(&mut gltf.json);
         gltf.load().unwrap_err().to_string()
     };
-    let cases: [(&dyn Fn(&mut Value), &[&str]); 14] = [
+    let cases: [Case<'_>; 14] = [
         (&|j| j["asset"]["version"] = json!("1.0"), &["is glTF 1.0"]),
         (&|j| j["nodes"][0]["mesh"] = json!(9), &["nodes[0].mesh", "meshes[9]", "there are 2"]),
         (&|j| j["scene"] = json!(3), &["scene: names scenes[3]"]),

@@ -67,7 +67,7 @@ fn lights_that_do_not_shine_are_said() {
         [{"type": "point", "name": "bulb", "extras": {"x": 1}}]}});
     gltf.node(json!({"extensions": {"KHR_lights_punctual": {"light": 0}}}));
     let scene = gltf.scene();
-    assert_warns(&scene, &["1 lights are left out"]);
+    assert_warns(&scene, &["suns do not shine here: 1."]);
     assert!(format!("{:?}", scene.details).contains("`bulb`"), "{:?}", scene.details);
 }
 

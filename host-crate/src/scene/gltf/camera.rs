@@ -41,7 +41,7 @@ pub(super) fn add(
     }
     if !orthographic.is_empty() {
         let names = crate::scene::error::list(&orthographic);
-        let what = format!("these cameras are orthographic, which none is here: {names}.");
+        let what = format!("orthographic cameras are left out: {names}.");
         scene.warnings.push(document.warning(&what));
     }
     if let Some(first) = scene.cameras.first()

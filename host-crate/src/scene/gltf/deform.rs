@@ -6,6 +6,7 @@ use super::nodes::Nodes;
 use super::primitive::Primitive;
 use crate::scene::error::SceneError;
 use glam::{DMat3, DMat4, Vec3};
+use gltf::json::Index;
 use gltf::json::mesh::Semantic;
 use std::iter::zip;
 
@@ -70,7 +71,7 @@ impl Primitive<'_, '_> {
             None => Vec::new(),
         };
         let mut matrices = Vec::with_capacity(found.joints.len());
-        for (number, joint) in found.joints.iter().map(|joint| joint.value()).enumerate() {
+        for (number, joint) in found.joints.iter().map(Index::value).enumerate() {
             document.get(&document.root.nodes, joint, "nodes", &format!("{place}.joints"))?;
             let bind = match inverse.get(number) {
                 Some(columns) => DMat4::from_cols_array(&columns.map(f64::from)),

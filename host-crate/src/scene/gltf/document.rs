@@ -197,11 +197,11 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The JSON of a file and the chunk of bytes behind it.
-fn split<'a>(
-    path: &Path,
-    bytes: &'a [u8],
-) -> Result<(Cow<'a, [u8]>, Option<&'a [u8]>), SceneError> {
+/// The JSON of a file, and the chunk of bytes behind it.
+type Chunks<'a> = (Cow<'a, [u8]>, Option<&'a [u8]>);
+
+/// Takes a file apart.
+fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, SceneError> {
     let wrong = |what: String| SceneError::WrongKind { path: path.to_owned(), what };
     if !is_binary(bytes) {
         return Ok((Cow::Borrowed(plain_text(bytes).map_err(wrong)?), None));

@@ -30,7 +30,7 @@ pub(super) fn add(
         scene.details.push(document.warning(&detail));
     }
     if count > 0 {
-        let what = format!("points, spots and suns do not shine: {count} lights are left out.");
+        let what = format!("lights that are points, spots or suns do not shine here: {count}.");
         scene.warnings.push(document.warning(&what));
     }
     Ok(())

@@ -3,7 +3,7 @@
 use super::document::Document;
 use crate::scene::error::SceneError;
 use glam::{DMat4, DQuat, DVec3};
-use gltf::json::Node;
+use gltf::json::{Index, Node};
 
 /// Where each node is, and whether it is in the scene that is shown.
 pub(super) struct Nodes {
@@ -58,7 +58,7 @@ impl Nodes {
 }
 
 fn children(node: &Node) -> impl Iterator<Item = usize> {
-    node.children.iter().flatten().map(|child| child.value())
+    node.children.iter().flatten().map(Index::value)
 }
 
 /// The node above each node.
