@@ -87,7 +87,7 @@ fn errors_say_where_a_file_is_wrong() {
         ("format ascii 1.0", "format utf 1.0", vec!["the header", "Line 2"]),
         ("vertex 5", "vertex 500000", vec!["element vertex", "the file is shorter"]),
         ("2 0 0.5", "2 0 x", vec!["element vertex", "2 0 x"]),
-        ("2 0 0.5", "2 0 nan", vec!["element vertex, number 4", "no number"]),
+        ("2 0 0.5", "2 0 1e30", vec!["element vertex, number 4", "no number"]),
         ("3 1 4 2", "3 1 5 2", vec!["element face, number 1", "vertex 5", "there are 5"]),
         ("3 1 4 2", "3 1 -4 2", vec!["element face, number 1", "not negative"]),
         ("vertex_indices", "corners", vec!["element face", "needs a list vertex_indices"]),
