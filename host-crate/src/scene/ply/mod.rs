@@ -1,26 +1,26 @@
 //! PLY files: meshes alone, such as scans.
 
-use super::bounds::MAX_COORDINATE;
-use super::camera::Camera;
-use super::clean::Cleaner;
-use super::description::Scene;
-use super::environment::{Environment, LIT_BY_DEFAULT};
-use super::error::SceneError;
-use super::film::FilmSize;
-use super::formats::SceneBytes;
-use super::framing::{self, FRAMED};
-use super::material::Material;
-use super::obj::texture_map::TextureMap;
-use super::obj::{NO_MATERIAL, Obj, Part};
-use super::options::LoadOptions;
-use super::recentre::origin_of;
-use super::text::Name;
+mod element;
+
+use self::element::{Face, Has, Nothing, Vertex};
+use crate::scene::bounds::MAX_COORDINATE;
+use crate::scene::camera::Camera;
+use crate::scene::clean::Cleaner;
+use crate::scene::description::Scene;
+use crate::scene::environment::{Environment, LIT_BY_DEFAULT};
+use crate::scene::error::SceneError;
+use crate::scene::film::FilmSize;
+use crate::scene::formats::SceneBytes;
+use crate::scene::framing::{self, FRAMED};
+use crate::scene::material::Material;
+use crate::scene::obj::texture_map::TextureMap;
+use crate::scene::obj::{NO_MATERIAL, Obj, Part};
+use crate::scene::options::LoadOptions;
+use crate::scene::recentre::origin_of;
+use crate::scene::text::Name;
 use glam::{DVec3, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{
-    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
-    ScalarType,
-};
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess, PropertyType, ScalarType};
 use std::path::Path;
 
 /// Grey paint, where a file says nothing of its surface.
@@ -31,14 +31,17 @@ const PER_TRIANGLE: u64 = 400;
 const PER_VERTEX: u64 = 200;
 
 /// Whether a file is a PLY.
-pub(super) fn is_ply(bytes: &[u8]) -> bool {
+pub(in crate::scene) fn is_ply(bytes: &[u8]) -> bool {
     bytes
         .strip_prefix(b"ply")
         .is_some_and(|rest| rest.starts_with(b"\n") || rest.starts_with(b"\r"))
 }
 
 /// Loads a PLY as a scene.
-pub(super) fn load(file: SceneBytes<'_>, options: LoadOptions) -> Result<Scene, SceneError> {
+pub(in crate::scene) fn load(
+    file: SceneBytes<'_>,
+    options: LoadOptions,
+) -> Result<Scene, SceneError> {
     let path = file.path;
     let geometry = parse(path, file.bytes, true, options.max_memory)?;
     let origin = origin_of(geometry.parts.iter().map(Part::positions));
@@ -68,7 +71,7 @@ pub(super) fn load(file: SceneBytes<'_>, options: LoadOptions) -> Result<Scene, 
     }
     let unread: Vec<_> = geometry.unread.keys().map(Name::to_string).collect();
     if !unread.is_empty() {
-        warn(format!("these are not read: {}.", super::error::list(&unread)));
+        warn(format!("these are not read: {}.", crate::scene::error::list(&unread)));
     }
     if geometry.coloured.0 > 0 {
         warn(format!("colours of vertices are left out: {}.", geometry.coloured.0));
@@ -85,7 +88,7 @@ pub(super) fn load(file: SceneBytes<'_>, options: LoadOptions) -> Result<Scene, 
 
 /// Reads the geometry of a PLY as that of an OBJ whose faces name no material; `path` is for
 /// messages only. Without `normals` it has none. The scene may take so much `memory`, in bytes.
-pub(super) fn parse(
+pub(in crate::scene) fn parse(
     path: &Path,
     bytes: &[u8],
     normals: bool,
@@ -202,93 +205,6 @@ fn least_bytes(property: &PropertyType) -> usize {
         ScalarType::Short | ScalarType::UShort => 2,
         ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
         ScalarType::Double => 8,
-    }
-}
-
-/// An element of which nothing is kept.
-struct Nothing;
-
-impl PropertyAccess for Nothing {
-    fn new() -> Self {
-        Self
-    }
-}
-
-/// A vertex.
-#[derive(Default)]
-struct Vertex {
-    position: [f64; 3],
-    normal: [f64; 3],
-    texture_coordinates: [f64; 2],
-}
-
-impl PropertyAccess for Vertex {
-    fn new() -> Self {
-        Self::default()
-    }
-
-    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
-        let value = match value {
-            Property::Double(value) => value,
-            other => match other.to_f32_lossy() {
-                Some(value) => value.into(),
-                None => return PropertyAccessResult::Ignored,
-            },
-        };
-        let place = match name {
-            "x" => &mut self.position[0],
-            "y" => &mut self.position[1],
-            "z" => &mut self.position[2],
-            "nx" => &mut self.normal[0],
-            "ny" => &mut self.normal[1],
-            "nz" => &mut self.normal[2],
-            "u" | "s" | "texture_u" | "texture_s" => &mut self.texture_coordinates[0],
-            "v" | "t" | "texture_v" | "texture_t" => &mut self.texture_coordinates[1],
-            _ => return PropertyAccessResult::Ignored,
-        };
-        *place = value;
-        PropertyAccessResult::Set
-    }
-}
-
-/// A polygon.
-#[derive(Default)]
-struct Face {
-    /// None where an index is negative.
-    corners: Option<Vec<u32>>,
-}
-
-impl PropertyAccess for Face {
-    fn new() -> Self {
-        Self::default()
-    }
-
-    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
-        if !matches!(name, "vertex_indices" | "vertex_index") {
-            return PropertyAccessResult::Ignored;
-        }
-        self.corners = value.to_u32_list();
-        PropertyAccessResult::Set
-    }
-}
-
-/// What vertices have.
-#[derive(Clone, Copy, Default)]
-struct Has {
-    normals: bool,
-    texture_coordinates: bool,
-    colours: bool,
-}
-
-impl Has {
-    fn of(element: &ElementDef, normals: bool) -> Self {
-        let has = |names: &[&str]| names.iter().any(|name| element.properties.contains_key(*name));
-        Self {
-            normals: normals && has(&["nx"]) && has(&["ny"]) && has(&["nz"]),
-            texture_coordinates: has(&["u", "s", "texture_u", "texture_s"])
-                && has(&["v", "t", "texture_v", "texture_t"]),
-            colours: has(&["red", "diffuse_red", "r"]),
-        }
     }
 }
 
