@@ -36,7 +36,7 @@ fn assert_same<E: Executor>(executor: &E, count: u32, bits_differ: bool) {
             assert_eq!(least.scene.abilities, ENVIRONMENT);
             continue;
         }
-        assert_eq!(least.scene.abilities & (TEXTURES | ENVIRONMENT), 0, "{}", least.name);
+        assert_eq!(least.scene.abilities & ENVIRONMENT, 0, "{}", least.name);
         let most = compiled_for(most, ALL);
         let mut pairs =
             vec![(least.megakernel(executor, least.all()), most.megakernel(executor, most.all()))];

@@ -12,7 +12,7 @@ use raystream::scene::{FilmSize, Material, Principled, Scene};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::{NO_PIXEL, Slot};
 use raystream_shaders::math::random::hash;
-use raystream_tests::{prepare, scenes, settings};
+use raystream_tests::{cameras, prepare, scenes, settings};
 use std::ops::Range;
 
 pub const OTHERS: [IntegratorKind; 3] =
@@ -136,7 +136,10 @@ pub fn cases(count: u32) -> Vec<Case> {
     let ball = open.add_material(scenes::diffuse(0.9));
     scenes::add_ball(&mut open, Vec3::ZERO, 1.0, 2, ball);
     open.background = Vec3::splat(0.7);
-    vec![
+    let cameras = cameras::seen_by_others(&scenes::room(scenes::glass(1.5), 1.0));
+    let by_cameras =
+        cameras.into_iter().map(|(name, scene)| Case::new(name, sized(scene, 19, 13), count));
+    let mut cases = vec![
         Case::new("a ball of glass", room(scenes::glass(1.5)), count),
         Case::new("a ball of glass", room(scenes::glass(1.5)), count).scrambled(),
         Case::new("a mirror ball", room(scenes::mirror(0.9)), count).with(|s| s.roulette_depth = 1),
@@ -159,5 +162,17 @@ pub fn cases(count: u32) -> Vec<Case> {
         Case::new("a ball without a light", open, count).scrambled(),
         Case::new("a room under a sky", sized(scenes::roofless(scenes::glass(1.5)), 19, 13), count)
             .scrambled(),
-    ]
+        Case::new(
+            "lights without surfaces",
+            sized(scenes::punctual(scenes::glass(1.5)), 19, 13),
+            count,
+        ),
+        Case::new(
+            "a lamp that is a picture",
+            sized(scenes::picture_lamp(scenes::glass(1.5)), 19, 13),
+            count,
+        ),
+    ];
+    cases.extend(by_cameras);
+    cases
 }

@@ -3,10 +3,12 @@
 
 mod bsdf;
 mod camera;
+mod cameras;
 mod environment;
 mod environment_files;
 mod errors;
 mod files;
+mod format_2;
 mod leaks;
 mod light;
 mod loading;

@@ -6,6 +6,7 @@
     reason = "the tests that call it should fail where it does"
 )]
 
+pub mod cameras;
 pub mod devices;
 pub mod executors;
 pub mod fuzz;

@@ -49,7 +49,8 @@ impl Scene {
                 what,
             })?;
         }
-        self.check_quad_lights()
+        self.check_quad_lights()?;
+        self.check_punctual_lights()
     }
 
     fn check_textures(&self) -> Result<(), InvalidScene> {
@@ -153,6 +154,15 @@ impl Scene {
             if !light.has_area() {
                 return Err(at(&place)("u and v span no area".to_owned()));
             }
+        }
+        Ok(())
+    }
+
+    fn check_punctual_lights(&self) -> Result<(), InvalidScene> {
+        for (index, light) in self.punctual_lights.iter().enumerate() {
+            light
+                .check()
+                .map_err(|(field, what)| at(&format!("punctual_lights[{index}].{field}"))(what))?;
         }
         Ok(())
     }
@@ -281,7 +291,7 @@ mod tests {
             ("film", &|s| s.film.width = 0),
             ("camera", &|s| s.camera.target = s.camera.origin),
             ("camera", &|s| s.camera.up = Vec3::ZERO),
-            ("camera", &|s| s.camera.fov_y = f32::NAN),
+            ("camera", &|s| s.camera = Camera::new(Vec3::Z, Vec3::ZERO, f32::NAN)),
             ("limits.max_depth", &|s| s.limits.max_depth = 0),
             ("background", &|s| s.background = Vec3::NEG_X),
             ("textures[0]", &|s| s.textures.push(texture(0, 0))),

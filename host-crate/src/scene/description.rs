@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::environment::Environment;
 use super::film::FilmSize;
-use super::light::QuadLight;
+use super::light::{PunctualLight, QuadLight};
 use super::limits::PathLimits;
 use super::material::{Material, MaterialId};
 use super::mesh::Mesh;
@@ -36,6 +36,8 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// The lamps that are no meshes.
     pub quad_lights: Vec<QuadLight>,
+    /// The lights that have no surface.
+    pub punctual_lights: Vec<PunctualLight>,
     /// The materials; [`Mesh::material`] points here.
     pub materials: Vec<Material>,
     /// The textures; [`Reflectance::Texture`](super::Reflectance::Texture) points here.
@@ -59,6 +61,7 @@ impl Scene {
             environment: None,
             meshes: Vec::new(),
             quad_lights: Vec::new(),
+            punctual_lights: Vec::new(),
             materials: Vec::new(),
             textures: Vec::new(),
             warnings: Vec::new(),
@@ -88,6 +91,11 @@ impl Scene {
         self.quad_lights.push(light);
     }
 
+    /// Adds a light without a surface.
+    pub fn add_punctual_light(&mut self, light: PunctualLight) {
+        self.punctual_lights.push(light);
+    }
+
     /// Has an environment light it, in place of the one that there may be. If that emits, warnings
     /// that nothing does are taken back.
     pub fn set_environment(&mut self, environment: Environment) {
@@ -112,7 +120,9 @@ impl Scene {
         let meshes = self.meshes.iter().filter(|mesh| !mesh.triangles.is_empty());
         let surfaces = meshes.map(|mesh| radiance(mesh.material));
         let quads = self.quad_lights.iter().map(|light| light.radiance);
-        surfaces.chain(quads).chain([self.background]).any(|light| light.max_element() > 0.0)
+        let points = self.punctual_lights.iter().map(PunctualLight::colour);
+        let others = points.chain([self.background]);
+        surfaces.chain(quads).chain(others).any(|light| light.max_element() > 0.0)
             || self.environment.as_ref().is_some_and(Environment::emits)
     }
 }

@@ -82,7 +82,16 @@ impl LoadOptions {
     ///
     /// When the file cannot be read, is of another kind, broken or too large.
     pub fn load_environment(&self, path: &Path) -> Result<(Environment, Vec<String>), SceneError> {
-        let bytes = Disk.read(path, self.picture_bytes())?;
+        self.read_environment(&Disk, path)
+    }
+
+    /// The same of a file in `source`.
+    pub(super) fn read_environment(
+        &self,
+        source: &dyn Source,
+        path: &Path,
+    ) -> Result<(Environment, Vec<String>), SceneError> {
+        let bytes = source.read(path, self.picture_bytes())?;
         let fail = |what| SceneError::Environment { path: path.to_owned(), what };
         let (mut environment, mut warnings) = if bytes.starts_with(&EXR) {
             from_exr(path, &bytes)?

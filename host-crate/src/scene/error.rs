@@ -57,7 +57,7 @@ pub enum SceneError {
         source: serde_json::Error,
     },
     /// The scene file has a format that this version does not read.
-    #[error("{}: key `format`: this version reads format 1, not {found}", .path.display())]
+    #[error("{}: key `format`: this version reads formats 1 and 2, not {found}", .path.display())]
     Format {
         /// The scene file.
         path: PathBuf,
@@ -100,10 +100,12 @@ pub enum SceneError {
         folder: PathBuf,
     },
     /// The scene file overrides materials that no face of the OBJ has.
-    #[error("{}: key `materials`: the OBJ has no face of {}; it uses {}", .path.display(), list(.names), list(.used))]
+    #[error("{}: key `{key}`: the OBJ has no face of {}; it uses {}", .path.display(), list(.names), list(.used))]
     UnknownMaterials {
         /// The scene file.
         path: PathBuf,
+        /// The key.
+        key: String,
         /// The names that are too many.
         names: Vec<String>,
         /// The names that the OBJ uses.

@@ -12,7 +12,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 impl LoadOptions {
-    /// Loads a scene file of format 1 with its OBJ, MTL and textures.
+    /// Loads a scene file with its OBJs, MTLs, textures and environment.
     ///
     /// # Errors
     ///
@@ -34,8 +34,8 @@ impl LoadOptions {
         json::load_text(&Disk, json::SceneText { path, folder: Path::new(""), text: &text }, *self)
     }
 
-    /// Loads a scene whose files are all in memory, by their paths: the scene file `scene` with its
-    /// OBJ, MTL and textures. No file of the disk is read.
+    /// Loads a scene whose files are all in memory, by their paths: the scene file `scene` with all
+    /// that it names. No file of the disk is read.
     ///
     /// # Errors
     ///

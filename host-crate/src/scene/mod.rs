@@ -44,13 +44,13 @@ mod summary;
 mod text;
 mod texture;
 
-pub use camera::Camera;
+pub use camera::{Camera, Lens, Projection};
 pub use check::InvalidScene;
 pub use description::Scene;
 pub use environment::Environment;
 pub use error::SceneError;
 pub use film::FilmSize;
-pub use light::QuadLight;
+pub use light::{PunctualLight, QuadLight};
 pub use limits::PathLimits;
 pub use load::{embedded, load, load_named};
 pub use material::{Channel, Maps, Material, MaterialId, NormalMap, Principled, Reflectance};

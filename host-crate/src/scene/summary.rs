@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 pub(super) enum Fate {
     MissingTexture,
     UnreadableTexture,
+    MissingEmission,
+    UnreadableEmission,
     FoundByEnd,
     MeanOfTexture,
     Opaque,
@@ -29,6 +31,12 @@ impl Fate {
             Self::MissingTexture => "these textures are not there, the colour Kd is used instead: ",
             Self::UnreadableTexture => {
                 "these textures cannot be read, the colour Kd is used instead: "
+            }
+            Self::MissingEmission => {
+                "these textures of emission are not there, the radiance Ke is used instead: "
+            }
+            Self::UnreadableEmission => {
+                "these textures of emission cannot be read, the radiance Ke is used instead: "
             }
             Self::FoundByEnd => {
                 "these paths lead nowhere, files of these names beside it are used: "

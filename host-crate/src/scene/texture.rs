@@ -32,6 +32,13 @@ impl Texture {
             .sum();
         (sum / self.texels.len() as f64).as_vec3()
     }
+
+    /// The mean of one of its channels, 0 to 3, whose codes 0 to 255 stand for 0 to 1.
+    pub(super) fn mean_of(&self, channel: u32) -> f32 {
+        let code = |texel: &[u8; 4]| u64::from(texel[channel as usize]);
+        let sum: u64 = self.texels.iter().map(code).sum();
+        (sum as f64 / (255.0 * self.texels.len() as f64)) as f32
+    }
 }
 
 #[cfg(test)]

@@ -42,6 +42,7 @@ fn maps_multiply_what_the_material_has() {
             base_colour: Some(texture),
             roughness: Some(Channel { texture, channel: 1 }),
             metallic: Some(Channel { texture, channel: 2 }),
+            emission: None,
             normal: None,
         },
         ..material()

@@ -38,7 +38,7 @@ pub fn layers(scene: &Scene, places: &[u32]) -> Vec<Layers> {
             normal_map: place_of(principled.maps.normal.map(|map| map.texture)),
             normal_scale: principled.maps.normal.map_or(1.0, |map| map.scale),
             channels: channel(principled.maps.roughness) | channel(principled.maps.metallic) << 8,
-            pad: 0,
+            emission_map: place_of(principled.maps.emission),
         },
         _ => Layers::NONE,
     });

@@ -2,10 +2,12 @@
 
 pub mod estimation;
 pub mod light_cache;
+pub mod pixel_filter;
 pub mod reconstruction;
 pub mod sampling;
 
 use self::light_cache::LightCacheSettings;
+use self::pixel_filter::PixelFilter;
 use self::reconstruction::FilterKind;
 use self::sampling::Sampling;
 use super::scene::PreparedScene;
@@ -34,6 +36,8 @@ pub struct Settings {
     pub roulette_depth: u32,
     /// How path tracers look for light; `lvc` goes by [`LightCacheSettings::techniques`].
     pub techniques: Techniques,
+    /// How light that falls beside a pixel's centre counts.
+    pub pixel_filter: PixelFilter,
     /// How far rays start from surfaces, in roundings of the surface's largest coordinate (2^-24 of
     /// it each): enough that no surface shades itself, and no more, since what is smaller than this
     /// distance casts no shadow.
@@ -106,6 +110,7 @@ impl Settings {
             max_depth: scene.limits.max_depth,
             roulette_depth: scene.limits.roulette_depth,
             techniques: Techniques::default(),
+            pixel_filter: PixelFilter::default(),
             ray_offset: OFFSET_ROUNDINGS,
             sampling: Sampling::default(),
             integrator: IntegratorKind::default(),
@@ -134,6 +139,7 @@ impl PreparedScene {
 
     /// What the tracing kernels need to know beside the scene; `threads` is 0.
     pub fn parameters(&self, settings: &Settings) -> PathParams {
+        let filter = settings.pixel_filter.kernels();
         PathParams {
             threads: 0,
             seed: settings.seed,
@@ -151,8 +157,8 @@ impl PreparedScene {
                 environment: self.environment_header(settings),
                 ..self.params
             },
-            pad0: 0,
-            pad1: 0,
+            filter: filter.kind,
+            filter_radius: filter.radius,
         }
     }
 }

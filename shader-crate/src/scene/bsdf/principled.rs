@@ -56,8 +56,8 @@ device_struct! {
         /// Which of its texture's channels, 0 to 3, the roughness has, and, 8 bits further, the
         /// share of metal.
         pub channels: u32,
-        /// Unused; zero.
-        pub pad: u32,
+        /// The texture that multiplies the emission, or [`NO_TEXTURE`].
+        pub emission_map: u32,
     }
 }
 
@@ -75,7 +75,7 @@ impl Layers {
         normal_map: NO_TEXTURE,
         normal_scale: 1.0,
         channels: 0,
-        pad: 0,
+        emission_map: NO_TEXTURE,
     };
 
     /// Unpacks the three rows, which are the struct's memory.
@@ -90,7 +90,7 @@ impl Layers {
             normal_map: rows[2].x,
             normal_scale: f32::from_bits(rows[2].y),
             channels: rows[2].z,
-            pad: rows[2].w,
+            emission_map: rows[2].w,
         }
     }
 

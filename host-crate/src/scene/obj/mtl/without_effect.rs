@@ -9,7 +9,8 @@ const SHARES: [&str; 7] = ["ks", "pm", "ps", "pc", "pcr", "aniso", "anisor"];
 /// What a physically based material reads, or what is there for programs that know none.
 const OF_PRINCIPLED: [&str; 7] = ["kd", "map_kd", "ks", "ns", "pm", "pr", "illum"];
 const OPACITY_MAPS: [&str; 4] = ["map_d", "map_tr", "map_opacity", "map_alpha"];
-const EMISSION_MAPS: [&str; 2] = ["map_ke", "map_emissive"];
+/// Keys of textures of emission; the first that there is counts.
+pub(super) const EMISSION_MAPS: [&str; 2] = ["map_ke", "map_emissive"];
 
 impl Entry {
     /// Notes what of the material has no effect, it being such a surface.
@@ -44,7 +45,9 @@ impl Entry {
             "d" => lost(!is_glass && values.last().is_some_and(|&d| d < 1.0), Fate::Opaque),
             "tr" => self.fate_of_transparency(&values).filter(|_| !is_glass),
             "tf" => lost(is_glass && !is_one, Fate::Unfiltered),
-            "map_kd" => lost(surface != Surface::Paint, Fate::WithoutEffect),
+            "map_kd" => {
+                lost(surface != Surface::Paint && !self.glows(surface), Fate::WithoutEffect)
+            }
             "illum" => self.fate_of_model(surface),
             // The index of what is no glass only shapes a highlight; `sharpness` and `map_aat` say
             // how maps are filtered.
@@ -53,7 +56,7 @@ impl Entry {
             "ka" | "map_ka" => Some(Fate::Judged("light from everywhere is not added: ")),
             _ if SHARES.contains(&key) => lost(!is_zero, Fate::WithoutEffect),
             _ if OPACITY_MAPS.contains(&key) => lost(!is_glass, Fate::Opaque),
-            _ if EMISSION_MAPS.contains(&key) => Some(Fate::Unlit),
+            _ if EMISSION_MAPS.contains(&key) => lost(!surface.may_glow(), Fate::Unlit),
             _ => Some(Fate::WithoutEffect),
         }
     }
