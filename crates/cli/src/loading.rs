@@ -1,12 +1,13 @@
 //! How commands load scenes.
 
+use super::camera::CameraArguments;
 use super::output::say;
 use super::progress::Waiting;
 use clap::Args;
 use raystream::scene::{Environment, LoadOptions, Scene, SceneError, shipped};
 use std::path::{Path, PathBuf};
 
-/// The options that say how scenes are loaded, and what lights them besides.
+/// The options that say how scenes are loaded, what lights them besides and how they are seen.
 #[derive(Args)]
 pub struct LoadArguments {
     /// Memory in GiB that loading a scene may take, by an estimate; a scene that needs more is
@@ -16,6 +17,8 @@ pub struct LoadArguments {
     max_memory: f64,
     #[command(flatten)]
     environment: EnvironmentArguments,
+    #[command(flatten)]
+    camera: CameraArguments,
 }
 
 /// The options that light a scene from all around.
@@ -75,6 +78,7 @@ impl LoadArguments {
             _ => options.load(name)?,
         };
         self.environment.light(&mut scene, options)?;
+        self.camera.change(&mut scene.camera);
         drop(waiting);
         for warning in &scene.warnings {
             say(&format!("warning: {warning}"));

@@ -8,6 +8,7 @@
 
 mod agreement;
 mod bench;
+mod camera;
 mod choices;
 mod compare;
 mod convergence;

@@ -102,6 +102,7 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
         filters: settings.denoise.into_iter().collect(),
         integrators: vec![settings.integrator],
         samplings: vec![settings.sampling],
+        projection: Some(scene.camera.projection),
         writes_png: outputs.iter().any(|path| is_png(path)),
         ..Facts::of_device(&device)
     });
