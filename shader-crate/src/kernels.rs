@@ -362,6 +362,7 @@ macro_rules! for_each_kernel {
             /// Makes the rays through pixel centres.
             primary_rays[256] = $crate::probe::primary_rays {
                 uniform parameters: $crate::integrator::params::PathParams,
+                with scene,
                 read slots: $crate::film::stream::Slot,
                 write rays: $crate::scene::ray::Ray,
             }

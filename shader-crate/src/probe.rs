@@ -36,10 +36,17 @@ impl TracingParams for BruteForceParams {
 }
 
 /// Kernel: the ray through the centre of the pixel of slot `lane`.
-pub fn primary_rays(lane: u32, params: &PathParams, slots: &[Slot], ray: &mut Ray) {
+pub fn primary_rays(
+    lane: u32,
+    params: &PathParams,
+    scene: &SceneView<'_, impl Abilities>,
+    slots: &[Slot],
+    ray: &mut Ray,
+) {
     let camera = &params.camera;
     let (x, y) = pixel_of_rank(at(slots, lane).rank, camera.width, camera.height);
-    *ray = camera.ray(x, y, [0.5, 0.5]);
+    let place = [x as f32 + 0.5, y as f32 + 0.5];
+    *ray = camera.ray(scene.abilities(), place, [0.5, 0.5]);
 }
 
 /// Kernel: a cosine-distributed ray from what ray `lane` hit, on the side that it came from. A ray

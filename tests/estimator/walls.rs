@@ -12,7 +12,8 @@ use raystream_shaders::film::tiles::rank_of_pixel;
 use raystream_shaders::film::{Contribution, FilmPixel};
 use raystream_shaders::integrator::first_hits::FeaturePixel;
 use raystream_shaders::math::random::{hash, unit_float};
-use raystream_shaders::scene::camera::Camera;
+use raystream_shaders::scene::abilities::{BASIC, Fixed};
+use raystream_shaders::scene::camera::{Camera, PINHOLE};
 
 /// Samples of a pixel, unless a test says otherwise.
 pub const SAMPLES: u32 = 16;
@@ -25,9 +26,9 @@ pub fn camera(width: u32, height: u32) -> Camera {
         top_left: Vec3::new(-0.005 * width as f32, 0.005 * height as f32, -1.0),
         height,
         right: Vec3::X * 0.01,
-        pad0: 0,
+        projection: PINHOLE,
         down: Vec3::NEG_Y * 0.01,
-        pad1: 0,
+        lens_radius: 0.0,
     }
 }
 
@@ -54,7 +55,8 @@ pub fn wall(
         film
     };
     let features = |(x, y)| {
-        let ray = camera.ray(x, y, [0.5, 0.5]);
+        let place = [x as f32 + 0.5, y as f32 + 0.5];
+        let ray = camera.ray(Fixed::<BASIC>, place, [0.0; 2]);
         let position = ray.direction / -ray.direction.z;
         FeaturePixel {
             albedo: Vec3::splat(0.5) * samples as f32,

@@ -1,4 +1,5 @@
 //! The film.
 
 mod accumulate;
+mod pixel_filter;
 mod sums;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor, kernels};
-use raystream::scene::{FilmSize, QuadLight, Scene};
+use raystream::scene::{Camera, FilmSize, QuadLight, Scene};
 use raystream_shaders::film::stream::{BY_TURNS, RunWindow};
 use raystream_shaders::film::{Contribution, FilmPixel};
 use raystream_shaders::math::random::{hash, unit_float};
@@ -123,8 +123,8 @@ fn a_pixel_full_of_light_has_its_radiance_after_ten_million_samples() {
 fn a_lit_pixel_keeps_its_mean_over_millions_of_samples() {
     let (side, height, radiance) = (0.1_f64, 1.0_f64, 100.0_f64);
     let mut scene = scenes::empty(Vec3::new(0.0, 0.5, 0.0001), Vec3::ZERO);
-    scene.camera.up = Vec3::NEG_Z;
-    scene.camera.fov_y = 0.1;
+    let camera = Camera::new(scene.camera.origin, scene.camera.target, 0.1);
+    scene.camera = Camera { up: Vec3::NEG_Z, ..camera };
     scene.film = FilmSize { width: 1, height: 1 };
     scene.limits.max_depth = 2;
     let floor = scene.add_material(scenes::diffuse(1.0));

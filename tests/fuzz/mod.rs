@@ -3,6 +3,7 @@
 //! CONTRIBUTING.md says how to try more of them. Those that found something lie in `corpus/`.
 
 mod memory;
+mod models;
 mod pictures;
 mod scenes;
 

@@ -22,6 +22,24 @@ const PLAIN_SCENE: &str = r#"{"format": 1, "name": "x", "obj": "a.obj", "normals
 "camera": {"origin": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y": 40}}
 "#;
 
+/// A scene file of format 2.
+const SCENE_2: &str = r#"{"format": 2, "name": "x", "film": {"width": 8, "height": 6},
+"camera": {"type": "perspective", "origin": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0],
+"fov_y": 40, "aperture": 0.1, "focus": 4, "blades": 5},
+"meshes": [{"file": "a.obj", "material": "m", "normals": "smooth", "dedupe": true,
+"transform": {"scale": [1, 2, -3], "rotate": [10, 20, 30], "translate": [1, 0, 0]}},
+{"file": "a.obj", "materials": {"plain": {"type": "null"}, "red wall": "m"},
+"transform": {"matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 7]]}}],
+"materials": {"m": {"type": "principled", "reflectance": {"texture": "t.png"}, "radiance": [1, 2, 3],
+"specular": [1, 1, 1], "textures": {"roughness": {"file": "t.png", "channel": "green"},
+"normal": {"file": "t.png", "scale": 2}, "emission": {"file": "t.png"}}}},
+"lights": [{"type": "point", "position": [0, 1, 0], "intensity": [1, 1, 1]},
+{"type": "spot", "position": [0, 1, 0], "direction": [0, -1, 0], "intensity": [1, 1, 1],
+"inner_angle": 10, "outer_angle": 20},
+{"type": "directional", "direction": [0, -1, 0], "irradiance": [1, 1, 1], "angle": 1}],
+"environment": {"colour": [1, 1, 1], "strength": 2}, "background": [0, 0, 1]}
+"#;
+
 const LARGER_OBJ: &str = "\u{feff}# a\r\nmtllib a.mtl b.mtl\r\no x\nv -1 -1 0 1 0.5 0\nv 1 -1 0\n\
     v 1 1 0\nv -1 1 0\nv 0 0.2 0\nv 448250.5 95.25 5411780.75\nvt 0 0\nvt 1 0 0\nvt .5\nvn 0 0 1\n\
     vn 1e-30 2 3\ns 1\nusemtl textured\nf 1/1/1 2/2/1 3/3/1 4/1/1 5/2/1\nf -5/1 -4/2 -3/3\ng y\n\
@@ -128,6 +146,14 @@ const JSON_WORDS: &[&str] = &[
     "[[[[[[[[",
     "1e400",
     "-0.0",
+    "\"meshes\": ",
+    "\"file\": ",
+    "\"a.obj\"",
+    "\"transform\": ",
+    "\"lights\": ",
+    "\"environment\": ",
+    "\"width\": ",
+    "\"orthographic\"",
     "\"max_depth\": ",
     "\"rr_depth\": ",
 ];
@@ -186,7 +212,7 @@ fn mtl_files_by_chance() {
 #[test]
 fn scene_files_by_chance() {
     let png = picture(image::ImageFormat::Png);
-    let seeds = vec![SCENE.into(), PLAIN_SCENE.into()];
+    let seeds = vec![SCENE.into(), PLAIN_SCENE.into(), SCENE_2.into()];
     fuzz("scene", seeds, JSON_WORDS, as_it_is, |scene| {
         let mut files = files("", OBJ.as_bytes(), MTL.as_bytes(), &png);
         files.insert("s.json".into(), scene.to_vec());

@@ -13,7 +13,7 @@ use raystream_tests::{scenes, with_gpu};
 fn textured() -> Scene {
     let mut scene = scenes::empty(Vec3::new(0.0, 1.0, 3.0), Vec3::ZERO);
     let texels = vec![[255, 0, 0, 255], [0, 255, 0, 255]];
-    let texture = scene.add_texture(Texture { width: 2, height: 1, texels });
+    let texture = scene.add_texture(Texture::new(2, 1, texels));
     let material = scene.add_material(Material::textured(texture));
     let corners = [Vec2::new(-1.0, -1.0), Vec2::new(1.0, -1.0), Vec2::new(0.0, 1.0)];
     let positions = corners.map(|c| Vec3::new(c.x, 0.0, -c.y)).to_vec();
@@ -36,7 +36,7 @@ fn assert_same<E: Executor>(executor: &E, count: u32, bits_differ: bool) {
             assert_eq!(least.scene.abilities, ENVIRONMENT);
             continue;
         }
-        assert_eq!(least.scene.abilities & (TEXTURES | ENVIRONMENT), 0, "{}", least.name);
+        assert_eq!(least.scene.abilities & ENVIRONMENT, 0, "{}", least.name);
         let most = compiled_for(most, ALL);
         let mut pairs =
             vec![(least.megakernel(executor, least.all()), most.megakernel(executor, most.all()))];

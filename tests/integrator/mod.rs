@@ -2,11 +2,16 @@
 //! whatever the stream and the pool; on the GPU as far as its compiler treats two kernels alike.
 
 mod abilities;
+mod cameras;
 mod devices;
+mod emission_maps;
 mod environment;
 mod lvc;
 mod memory;
+mod pixel_filters;
+mod punctual_lights;
 mod renders;
 mod slots;
 mod techniques;
 mod tracing;
+mod wrapping;

@@ -12,7 +12,7 @@ use raystream::scene::{FilmSize, Material, Opacity, Principled, Scene};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::{NO_PIXEL, Slot};
 use raystream_shaders::math::random::hash;
-use raystream_tests::{prepare, scenes, settings};
+use raystream_tests::{cameras, prepare, scenes, settings};
 use std::ops::Range;
 
 pub const OTHERS: [IntegratorKind; 3] =
@@ -142,7 +142,10 @@ pub fn cases(count: u32) -> Vec<Case> {
         opacity: Opacity::Blend { alpha: 0.7 },
         ..Principled::paint(Vec3::splat(0.8), 0.4)
     };
-    vec![
+    let cameras = cameras::seen_by_others(&scenes::room(scenes::glass(1.5), 1.0));
+    let by_cameras =
+        cameras.into_iter().map(|(name, scene)| Case::new(name, sized(scene, 19, 13), count));
+    let mut cases = vec![
         Case::new("half a ball of coated velvet", room(Material::Principled(ghost)), count),
         Case::new("a ball of glass", room(scenes::glass(1.5)), count),
         Case::new("a ball of glass", room(scenes::glass(1.5)), count).scrambled(),
@@ -166,5 +169,17 @@ pub fn cases(count: u32) -> Vec<Case> {
         Case::new("a ball without a light", open, count).scrambled(),
         Case::new("a room under a sky", sized(scenes::roofless(scenes::glass(1.5)), 19, 13), count)
             .scrambled(),
-    ]
+        Case::new(
+            "lights without surfaces",
+            sized(scenes::punctual(scenes::glass(1.5)), 19, 13),
+            count,
+        ),
+        Case::new(
+            "a lamp that is a picture",
+            sized(scenes::picture_lamp(scenes::glass(1.5)), 19, 13),
+            count,
+        ),
+    ];
+    cases.extend(by_cameras);
+    cases
 }

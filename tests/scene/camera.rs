@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 use raystream_shaders::math::random::PIXEL;
+use raystream_shaders::scene::abilities::{BASIC, Fixed};
 use raystream_shaders::scene::camera::Camera;
 use raystream_tests::histogram::{SAMPLERS, assert_uniform_over_square, points};
 
@@ -32,7 +33,8 @@ fn rays_are_uniform_over_their_pixel() {
     for (kind, name) in SAMPLERS {
         for (x, y) in [(0, 0), (137, 42), (199, 99), (0, 99)] {
             let inside = points(kind, PIXEL, 1 << 18).map(|jitter| {
-                let ray = camera.ray(x, y, jitter);
+                let place = [x as f32 + jitter[0], y as f32 + jitter[1]];
+                let ray = camera.ray(Fixed::<BASIC>, place, [0.0; 2]);
                 assert_eq!(ray.origin, camera.origin);
                 assert!((ray.direction.length() - 1.0).abs() < 1e-6);
                 let [u, v] = picture_place(&camera, ray.direction.as_dvec3());

@@ -84,7 +84,7 @@ fn text_that_is_not_json() {
 
 #[test]
 fn formats() {
-    expect_value("/format", json!(2), &["key `format`", "not 2"]);
+    expect_value("/format", json!(3), &["key `format`", "not 3"]);
     expect_value("/format", json!("1"), &["key `format`", "invalid type", "line"]);
     expect(
         SceneFolder::new().json(|scene| drop(scene.as_object_mut().unwrap().remove("format"))),

@@ -18,7 +18,8 @@ fn paint(opacity: Opacity) -> Material {
 /// A texture of four columns, of which the second and the last are holes.
 fn add_grating(scene: &mut Scene) -> Material {
     let texels = [255, 0, 255, 0].map(|alpha| [255, 255, 255, alpha]).to_vec();
-    let texture = scene.add_texture(Texture { width: 4, height: 1, texels });
+    let texture =
+        scene.add_texture(Texture { width: 4, height: 1, texels, wrap: Default::default() });
     let grating = Principled::paint(Vec3::ONE, 0.5);
     let mut maps = grating.maps;
     maps.base_colour = Some(texture);

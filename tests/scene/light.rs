@@ -131,7 +131,7 @@ fn densities_integrate_to_1_and_are_those_that_a_path_finds() {
         let point = view.point_on(index as u32, [0.3, 0.6]);
         assert_eq!(
             point.pdf,
-            area_pdf(light.radiance, scene.params.total_importance),
+            area_pdf(importance(light.radiance), scene.params.total_importance),
             "light {index}"
         );
         assert!(

@@ -165,7 +165,7 @@ fn textures_of_json_and_mtl() {
     assert_eq!(scene.warnings, [""; 0]);
     assert_eq!(scene.materials[1], Material::textured(TextureId(0)));
     let texels = vec![[255, 0, 0, 255]; 2];
-    assert_eq!(scene.textures, [Texture { width: 2, height: 1, texels }]);
+    assert_eq!(scene.textures, [Texture::new(2, 1, texels)]);
     let expected = vec![[Vec2::ZERO, Vec2::X, Vec2::Y]];
     assert_eq!(scene.meshes[1].texture_coordinates, Some(expected));
     assert_eq!(scene.meshes[1].normals, None);

@@ -3,14 +3,18 @@
 
 mod bsdf;
 mod camera;
+mod cameras;
 mod environment;
 mod environment_files;
 mod errors;
 mod files;
+mod format_2;
+mod gltf;
 mod holes;
 mod leaks;
 mod light;
 mod loading;
 mod mixed_scales;
 mod places;
+mod ply;
 mod traversal;

@@ -87,7 +87,9 @@ fn primary_rays(scene: &PreparedScene, size: FilmSize, settings: &Settings) -> V
     let slots = Array::from_slice(&CpuExecutor, "slots", &slots).unwrap();
     let rays: Array<_, Ray> = Array::zeroed(&CpuExecutor, "rays", threads as usize).unwrap();
     let parameters = PathParams { threads, ..scene.parameters(&Settings { size, ..*settings }) };
-    CpuExecutor.run(&[kernels::primary_rays(&parameters, slots.view(), rays.view())]).unwrap();
+    let buffers = scene.buffers(&CpuExecutor).unwrap();
+    let launch = kernels::primary_rays(&parameters, &buffers, slots.view(), rays.view());
+    CpuExecutor.run(&[launch]).unwrap();
     let (x, y) = pixel_of_rank(0, size.width, size.height);
     assert_eq!((x, y), (0, 0));
     rays.read(&CpuExecutor).unwrap()

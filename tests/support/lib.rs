@@ -6,9 +6,11 @@
     reason = "the tests that call it should fail where it does"
 )]
 
+pub mod cameras;
 pub mod devices;
 pub mod executors;
 pub mod fuzz;
+pub mod gltf;
 pub mod histogram;
 pub mod large_scenes;
 pub mod materials;

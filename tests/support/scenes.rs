@@ -1,7 +1,10 @@
 //! Small scenes, made in place.
 
-use glam::Vec3;
-use raystream::scene::{Camera, Environment, FilmSize, Material, MaterialId, Mesh, Scene};
+use glam::{Vec2, Vec3};
+use raystream::scene::{
+    Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh, Principled, Projection,
+    PunctualLight, Scene, Texture,
+};
 
 /// Lambert's law.
 pub fn diffuse(reflectance: f32) -> Material {
@@ -132,7 +135,7 @@ pub fn glowing_smooth_box() -> Scene {
 pub fn room(ball: Material, scale: f32) -> Scene {
     let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z) * scale;
     let mut scene = empty(at(0.5, 0.5, 0.05), at(0.5, 0.45, 1.0));
-    scene.camera.fov_y = 70.0;
+    scene.camera.projection = Projection::Perspective { fov_y: 70.0, lens: None };
     let walls = scene.add_material(diffuse(0.6));
     let lamp = scene.add_material(emissive(12.0, 0.3));
     let block = scene.add_material(Material::diffuse(Vec3::new(0.7, 0.3, 0.2)));
@@ -171,5 +174,66 @@ pub fn roofless(ball: Material) -> Scene {
     add_quad(&mut scene, Vec3::new(-0.3, 0.6, -0.3), Vec3::X * 0.3, Vec3::Z * 0.3, lamp);
     add_ball(&mut scene, Vec3::new(0.7, 0.3, 0.4), 0.3, 2, ball);
     scene.set_environment(sky());
+    scene
+}
+
+/// A floor with a wall, a block and a ball of `ball`'s material, and a light of every kind that has
+/// no surface: a point, a spot, a sharp direction and a sun.
+pub fn punctual(ball: Material) -> Scene {
+    let mut scene = empty(Vec3::new(0.5, 0.7, 2.4), Vec3::new(0.5, 0.3, 0.0));
+    let wall = scene.add_material(Material::diffuse(Vec3::new(0.7, 0.6, 0.5)));
+    let ball = scene.add_material(ball);
+    add_quad(&mut scene, Vec3::new(-0.5, 0.0, -0.5), Vec3::Z * 2.0, Vec3::X * 2.0, wall);
+    add_quad(&mut scene, Vec3::new(-0.5, 0.0, -0.5), Vec3::X * 2.0, Vec3::Y, wall);
+    add_box(&mut scene, Vec3::new(0.0, 0.0, 0.0), Vec3::new(0.25, 0.3, 0.25), false, wall);
+    add_ball(&mut scene, Vec3::new(0.7, 0.3, 0.4), 0.3, 2, ball);
+    scene.add_punctual_light(PunctualLight::point(
+        Vec3::new(-0.2, 0.8, 0.6),
+        Vec3::new(0.2, 0.4, 0.6),
+    ));
+    scene.add_punctual_light(PunctualLight::Spot {
+        position: Vec3::new(1.2, 1.1, 0.9),
+        direction: Vec3::new(-0.5, -0.9, -0.6),
+        intensity: Vec3::new(1.5, 1.2, 0.4),
+        inner_angle: 10.0,
+        outer_angle: 35.0,
+    });
+    scene.add_punctual_light(PunctualLight::directional(
+        Vec3::new(-0.2, -1.0, -0.5),
+        Vec3::new(0.5, 0.1, 0.2),
+    ));
+    scene.add_punctual_light(PunctualLight::Directional {
+        direction: Vec3::new(0.6, -1.0, -0.3),
+        irradiance: Vec3::new(0.3, 0.5, 0.4),
+        angle: 20.0,
+    });
+    scene
+}
+
+/// A room whose lamp is a picture: bright and coloured texels, and black ones.
+pub fn picture_lamp(ball: Material) -> Scene {
+    let mut scene = room(ball, 1.0);
+    let texels = (0..32_u8).map(|k| match k % 4 {
+        0 => [255, 40 + 3 * k, 90, 255],
+        1 => [0, 0, 0, 255],
+        2 => [20, 200, 255 - 3 * k, 255],
+        _ => [60, 60, 60, 255],
+    });
+    let texture =
+        Texture { width: 8, height: 4, texels: texels.collect(), wrap: Default::default() };
+    let emission = Some(scene.add_texture(texture));
+    let maps = Maps { emission, ..Maps::default() };
+    let glowing = Principled {
+        emission: Vec3::splat(25.0),
+        maps,
+        ..Principled::paint(Vec3::splat(0.3), 0.9)
+    };
+    // The lamp is the material of index 1, of one quad.
+    scene.materials[1] = Material::Principled(glowing);
+    let lamp = scene.meshes.iter_mut().find(|mesh| mesh.material == MaterialId(1));
+    let lamp = lamp.expect("the room has a lamp");
+    let uv = |position: Vec3| Vec2::new(1.5 * (position.x - 0.35), position.z - 0.4) / 0.3;
+    let coordinates = (0..lamp.triangles.len()).map(|index| lamp.corners(index).map(uv));
+    lamp.texture_coordinates = Some(coordinates.collect());
     scene
 }

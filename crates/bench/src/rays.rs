@@ -56,7 +56,7 @@ pub fn measure<E: Executor>(
     let slots = Array::from_slice(executor, "the sample stream", &ranks)?;
     let [primary, bounced, shadow] = [tracer.rays()?, tracer.rays()?, tracer.rays()?];
 
-    executor.run(&[kernels::primary_rays(parameters, slots.view(), primary.view())])?;
+    executor.run(&[kernels::primary_rays(parameters, buffers, slots.view(), primary.view())])?;
     let traced_primary = tracer.closest(&primary)?;
     let (from, at) = (|| primary.view(), || tracer.hits.view());
     executor.run(&[
@@ -93,7 +93,7 @@ impl<'a, E: Executor> Tracer<'a, E> {
         let threads = settings.size.width * settings.size.height;
         Ok(Self {
             executor,
-            scene: scene.buffers(executor)?,
+            scene: scene.buffers_for(executor, settings.abilities())?,
             parameters: PathParams { threads, ..scene.parameters(settings) },
             options,
             hits: Array::zeroed(executor, "hits", threads as usize)?,

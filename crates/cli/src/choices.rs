@@ -3,7 +3,9 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use raystream::image::ToneMap;
 use raystream::names::UnknownName;
-use raystream::render::{AllocatorKind, BvhQuality, Estimator, FilterKind, IntegratorKind};
+use raystream::render::{
+    AllocatorKind, BvhQuality, Estimator, FilterKind, IntegratorKind, PixelFilterShape,
+};
 use std::str::FromStr;
 
 /// An enum of the library, with what `--help` says of each value.
@@ -79,6 +81,15 @@ choices! {
                     removes those that have ended, and the next samples take their places",
         Lvc: "Bidirectional: paths from the lights leave vertices in a cache, to which paths from \
               the camera connect",
+    }
+}
+
+choices! {
+    PixelFilterShape {
+        Box: "The pixel itself, or a larger square: the same everywhere in it",
+        Tent: "Falls off in a straight line, along both axes",
+        Gaussian: "A normal distribution, whose standard deviation is a sixth of the width",
+        BlackmanHarris: "Blackman and Harris's window: sharper than gaussian, and as smooth",
     }
 }
 

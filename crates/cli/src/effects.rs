@@ -5,6 +5,7 @@ use clap::ArgMatches;
 use clap::parser::ValueSource;
 use raystream::exec::Device;
 use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind, Sampling};
+use raystream::scene::Projection;
 
 /// The options that stand on the command line, by their ids.
 pub struct Given(Vec<String>);
@@ -27,6 +28,8 @@ pub struct Facts {
     pub writes_png: bool,
     /// Whether there is a file to write.
     pub has_output: bool,
+    /// How the camera sees, where there is one.
+    pub projection: Option<Projection>,
 }
 
 impl Default for Facts {
@@ -40,6 +43,7 @@ impl Default for Facts {
             on_gpu: true,
             writes_png: true,
             has_output: true,
+            projection: None,
         }
     }
 }
@@ -101,6 +105,8 @@ const RULES: &[Rule] = &[
             "light_paths",
             "connections",
             "no_light_tracing",
+            "pixel_filter",
+            "pixel_filter_width",
         ],
         has_effect: |facts| facts.traces_paths,
         why: "where no paths are traced",
@@ -152,6 +158,18 @@ const RULES: &[Rule] = &[
         why: "without a .png picture (-o picture.png)",
     },
     Rule { options: &["naga", "validation"], has_effect: |facts| facts.on_gpu, why: "on the CPU" },
+    Rule {
+        options: &["aperture", "focus"],
+        has_effect: |facts| {
+            facts.projection.is_none_or(|p| matches!(p, Projection::Perspective { .. }))
+        },
+        why: "by a camera that is not perspective",
+    },
+    Rule {
+        options: &["focus"],
+        has_effect: |facts| facts.projection.is_none_or(|projection| projection.has_lens()),
+        why: "without a lens (--aperture)",
+    },
     Rule { options: &["gain"], has_effect: |facts| facts.has_output, why: "without -o" },
 ];
 
@@ -198,6 +216,7 @@ mod tests {
         "allocators",
         "bvh",
         "cache",
+        "camera",
         "checks",
         "denoise",
         "device",
@@ -213,6 +232,7 @@ mod tests {
         "max_memory",
         "noise",
         "output",
+        "panorama",
         "picture",
         "png_layers",
         "quiet",

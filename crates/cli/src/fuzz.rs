@@ -17,6 +17,7 @@ const SEEDS: &[&str] = &[
     "bench\nconvergence\na@60x50\n--allocators\npaper,runs\n--levels\n4,16\n--cache\nx",
     "bench\nintegrators\n--integrators\nlvc,streaming\n--stream\n100\n--repetitions\n2",
     "bench\nbias\n--spp\n16,64\n--renders\n3\n--truth-spp\n64\n--seed\n4294967295",
+    "inspect\na.glb\n--json\n--camera\nCamera.001\n--max-memory\n2",
     "help\nbench\nrays",
 ];
 

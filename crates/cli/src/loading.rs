@@ -1,21 +1,28 @@
 //! How commands load scenes.
 
+use super::camera::CameraArguments;
 use super::output::say;
 use super::progress::Waiting;
 use clap::Args;
 use raystream::scene::{Environment, LoadOptions, Scene, SceneError, shipped};
 use std::path::{Path, PathBuf};
 
-/// The options that say how scenes are loaded, and what lights them besides.
+/// The options that say how scenes are loaded, what lights them besides and how they are seen.
 #[derive(Args)]
 pub struct LoadArguments {
     /// Memory in GiB that loading a scene may take, by an estimate; a scene that needs more is
-    /// refused. A scene file and each MTL may have 1/128 of it, the OBJ a quarter, each texture an
-    /// eighth.
+    /// refused. A scene file and each MTL may have 1/128 of it, an OBJ, glTF or PLY a quarter, each
+    /// texture an eighth.
     #[arg(long, value_name = "GIB", default_value_t = 8.0, value_parser = parse_memory)]
     max_memory: f64,
+    /// See the scene through this camera of its glTF, by its name [default: the first;
+    /// `raystream inspect` lists them].
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
     #[command(flatten)]
     environment: EnvironmentArguments,
+    #[command(flatten)]
+    view: CameraArguments,
 }
 
 /// The options that light a scene from all around.
@@ -67,15 +74,8 @@ impl LoadArguments {
     /// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; `-`
     /// is standard input. Prints its warnings and, unless `quiet`, that it takes long.
     pub fn load_scene(&self, name: &Path, quiet: bool) -> Result<Scene, SceneError> {
-        let options = LoadOptions { max_memory: (self.max_memory * GIB) as u64 };
-        let waiting = Waiting::start(quiet, format!("loading {}", name.display()));
-        let mut scene = match name.to_str() {
-            Some("-") => options.read(&mut std::io::stdin().lock(), "<standard input>")?,
-            Some(text) if is_name(text, name) => options.load_named(text)?,
-            _ => options.load(name)?,
-        };
-        self.environment.light(&mut scene, options)?;
-        drop(waiting);
+        let mut scene = self.load_silently(name, quiet)?;
+        self.view.change(&mut scene.camera);
         for warning in &scene.warnings {
             say(&format!("warning: {warning}"));
         }
@@ -85,6 +85,22 @@ impl LoadArguments {
         for detail in &scene.details {
             tracing::debug!("{detail}");
         }
+        Ok(scene)
+    }
+
+    /// Loads a scene as [`load_scene`](Self::load_scene) does, but prints no warnings.
+    pub fn load_silently(&self, name: &Path, quiet: bool) -> Result<Scene, SceneError> {
+        let options = LoadOptions { max_memory: (self.max_memory * GIB) as u64 };
+        let _waiting = Waiting::start(quiet, format!("loading {}", name.display()));
+        let mut scene = match name.to_str() {
+            Some("-") => options.read(&mut std::io::stdin().lock(), "<standard input>")?,
+            Some(text) if is_name(text, name) => options.load_named(text)?,
+            _ => options.load(name)?,
+        };
+        if let Some(camera) = &self.camera {
+            scene.use_camera(camera)?;
+        }
+        self.environment.light(&mut scene, options)?;
         Ok(scene)
     }
 }

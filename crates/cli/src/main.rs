@@ -8,6 +8,7 @@
 
 mod agreement;
 mod bench;
+mod camera;
 mod choices;
 mod compare;
 mod convergence;
@@ -19,6 +20,7 @@ mod entries;
 #[cfg(test)]
 mod fuzz;
 mod hints;
+mod inspect;
 mod integrators;
 mod interrupt;
 mod loading;
@@ -62,6 +64,8 @@ enum Command {
     Compare(compare::CompareArguments),
     /// Take noise out of a picture that was rendered before, here or by another renderer.
     Denoise(denoise::DenoiseArguments),
+    /// Say what a scene's file holds, and what of it a picture will not show.
+    Inspect(inspect::InspectArguments),
     /// List the devices that can render.
     Devices(devices::DevicesArguments),
     /// List the scenes that ship with Raystream.
@@ -99,6 +103,7 @@ fn run(arguments: &Arguments, given: &Given) -> Result<Ending, CliError> {
         Command::Render(arguments) => render::run(arguments, given),
         Command::Compare(arguments) => compare::run(arguments, given),
         Command::Denoise(arguments) => denoise::run(arguments, given),
+        Command::Inspect(arguments) => inspect::run(arguments),
         Command::Devices(arguments) => devices::run(arguments),
         Command::Scenes => scenes::run(),
         Command::Bench(command) => bench::run(command, given),

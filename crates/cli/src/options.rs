@@ -10,8 +10,8 @@ use raystream::exec::ExecError;
 use raystream::exec::device::{Device, OpenOptions};
 use raystream::image::{Display, ToneMap};
 use raystream::render::{
-    BidirectionalTechniques, BvhQuality, IntegratorKind, LightCacheSettings, PreparedScene,
-    RenderError, Sampling, Settings,
+    BidirectionalTechniques, BvhQuality, IntegratorKind, LightCacheSettings, PixelFilter,
+    PixelFilterShape, PreparedScene, RenderError, Sampling, Settings,
 };
 use raystream::scene::{FilmSize, Scene, SceneError};
 use raystream_shaders::integrator::lvc::MAX_CONNECTIONS;
@@ -128,6 +128,14 @@ pub struct SettingsArguments {
     /// and caustics are left to paths from there.
     #[arg(long)]
     no_light_tracing: bool,
+    /// How light that falls beside a pixel's centre counts: box is the pixel itself, the others are
+    /// smoother.
+    #[arg(long, value_parser = choice::<PixelFilterShape>(), default_value_t)]
+    pixel_filter: PixelFilterShape,
+    /// Width of the pixel filter in pixels, from side to side [default: 1 for box, 2 for tent, 3
+    /// for gaussian and blackman-harris].
+    #[arg(long, value_name = "PIXELS", value_parser = parse_filter_width)]
+    pixel_filter_width: Option<f32>,
     /// How far rays start from surfaces, in roundings (2^-24) of the largest coordinate there.
     /// Details smaller than that cast no shadow; other renderers take some 1500.
     #[arg(
@@ -181,6 +189,10 @@ impl SettingsArguments {
             independent_sampler: matches!(self.sampler, Sampler::Independent),
             max_depth: self.max_depth.unwrap_or(own.max_depth),
             roulette_depth: self.rr_depth.unwrap_or(own.roulette_depth),
+            pixel_filter: PixelFilter {
+                shape: self.pixel_filter,
+                width: self.pixel_filter_width.unwrap_or(self.pixel_filter.usual_width()),
+            },
             ray_offset: self.ray_offset,
             sampling: Sampling::UNIFORM,
             integrator: self.integrator,
@@ -221,6 +233,8 @@ impl SettingsArguments {
             pair("max_depth", settings.max_depth.to_string()),
             pair("rr_depth", settings.roulette_depth.to_string()),
             pair("ray_offset", settings.ray_offset.to_string()),
+            pair("pixel_filter", settings.pixel_filter.shape.to_string()),
+            pair("pixel_filter_width", settings.pixel_filter.width.to_string()),
             pair("integrator", self.integrator.to_string()),
         ];
         if settings.integrator == IntegratorKind::Lvc {
@@ -243,6 +257,17 @@ pub fn parse_size(text: &str) -> Result<FilmSize, String> {
     let width = width.parse().map_err(|_| wrong())?;
     let height = height.parse().map_err(|_| wrong())?;
     FilmSize::new(width, height).map_err(|error| format!("'{text}': {error}"))
+}
+
+fn parse_filter_width(text: &str) -> Result<f32, String> {
+    const LEAST: f32 = 0.01;
+    match text.parse::<f32>() {
+        Ok(width) if (LEAST..=PixelFilter::MAX_WIDTH).contains(&width) => Ok(width),
+        _ => Err(format!(
+            "'{text}' is not a width in pixels, from {LEAST} to {}",
+            PixelFilter::MAX_WIDTH
+        )),
+    }
 }
 
 fn parse_ray_offset(text: &str) -> Result<f32, String> {

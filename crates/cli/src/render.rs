@@ -27,8 +27,8 @@ use std::time::Duration;
 /// The options of `raystream render`.
 #[derive(Args)]
 pub struct RenderArguments {
-    /// A scene file, the name of a scene that ships (see `raystream scenes`), or - for a scene file
-    /// on standard input, whose paths start from the working folder.
+    /// A scene file, a glTF (.gltf, .glb), a PLY, the name of a scene that ships (see `raystream
+    /// scenes`), or - for a scene on standard input, whose paths start from the working folder.
     #[arg(default_value = DEFAULT_SCENE)]
     scene: PathBuf,
     /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be
@@ -102,6 +102,7 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
         filters: settings.denoise.into_iter().collect(),
         integrators: vec![settings.integrator],
         samplings: vec![settings.sampling],
+        projection: Some(scene.camera.projection),
         writes_png: outputs.iter().any(|path| is_png(path)),
         ..Facts::of_device(&device)
     });

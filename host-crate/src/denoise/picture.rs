@@ -10,7 +10,8 @@ use crate::scene::FilmSize;
 use glam::{Vec3, Vec4};
 use raystream_shaders::estimator::guide::{Guide, NO_SURFACE, pack_normal};
 use raystream_shaders::reconstruction::halves::UNMEASURED;
-use raystream_shaders::scene::camera::Camera;
+use raystream_shaders::scene::abilities::{BASIC, Fixed};
+use raystream_shaders::scene::camera::{Camera, PINHOLE};
 use std::path::{Path, PathBuf};
 
 /// The tangent of half the angle of view that is taken for the camera's, 45 degrees from top to
@@ -167,9 +168,9 @@ impl NoisyPicture {
             top_left: corner + Vec3::NEG_Z,
             height,
             right: Vec3::X * pitch,
-            pad0: 0,
+            projection: PINHOLE,
             down: Vec3::NEG_Y * pitch,
-            pad1: 0,
+            lens_radius: 0.0,
         }
     }
 
@@ -219,7 +220,8 @@ impl NoisyPicture {
             color: if is_measured { color } else { Vec3::ZERO },
             variance: self.variance_of(p, variance),
             position: if has_surface {
-                camera.ray(x, y, [0.5, 0.5]).direction.normalize() * depth
+                let place = [x as f32 + 0.5, y as f32 + 0.5];
+                camera.ray(Fixed::<BASIC>, place, [0.0; 2]).direction.normalize() * depth
             } else {
                 Vec3::ZERO
             },

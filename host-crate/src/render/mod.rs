@@ -25,6 +25,7 @@ pub use scene::PreparedScene;
 pub use scene::bvh::BvhQuality;
 pub use settings::estimation::{EstimationSettings, Estimator, FilterSettings};
 pub use settings::light_cache::{BidirectionalTechniques, LightCacheSettings};
+pub use settings::pixel_filter::{PixelFilter, PixelFilterShape};
 pub use settings::reconstruction::FilterKind;
 pub use settings::sampling::{AllocatorKind, Sampling, Split};
 pub use settings::{IntegratorKind, Settings, Techniques};

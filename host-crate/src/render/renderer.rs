@@ -65,7 +65,7 @@ impl<E: Executor> Renderer<E> {
     where
         C: FnOnce(&IntegratorContext<'_, E>, u32) -> Result<Box<dyn Integrator<E>>, ExecError>,
     {
-        let scene_buffers = scene.buffers(&executor)?;
+        let scene_buffers = scene.buffers_for(&executor, settings.abilities())?;
         let film = FilmBuffers::new(&executor, settings.size)?;
         let (slots, contributions) = allocate_stream(&executor, settings.stream_slots)?;
         let parameters = scene.parameters(settings);

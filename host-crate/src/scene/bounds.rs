@@ -20,11 +20,13 @@ const MAX_ROTATION: f64 = 1e5;
 /// Environments are made so many times as bright, at most.
 const MAX_STRENGTH: f64 = 1e6;
 /// Pictures have at most this many pixels a side, so that all of them are numbered by a u32.
-const MAX_FILM_SIDE: u32 = 16_384;
+pub(super) const MAX_FILM_SIDE: u32 = 16_384;
 /// Indices of refraction lie between the inverse of this and this.
 const MAX_IOR: f64 = 100.0;
 /// Light is coloured after a distance between the inverse of this and this.
 const MAX_ATTENUATION_DISTANCE: f64 = 1e12;
+/// Apertures have at most so many corners.
+const MAX_BLADES: u32 = 64;
 /// Textures are at most this wide and high, in texels.
 pub(super) const MAX_TEXTURE_SIDE: u32 = 16_384;
 /// Texels of all textures together, with what a device's buffer of them holds besides: 1 GiB.
@@ -105,6 +107,60 @@ pub(super) fn angle_of_view(value: f64) -> Result<f32, String> {
     } else {
         Err(format!("must be an angle in degrees, above 0 and below 180, is {value}"))
     }
+}
+
+/// Radius of an aperture, in world units.
+pub(super) fn lens_radius(value: f64) -> Result<f32, String> {
+    within(value, 0.0..=MAX_COORDINATE)
+}
+
+/// A distance or a width in world units, above 0.
+pub(super) fn distance(value: f64) -> Result<f32, String> {
+    let rounded = value as f32;
+    if rounded >= f32::MIN_POSITIVE && value <= MAX_COORDINATE {
+        Ok(rounded)
+    } else {
+        Err(format!("must be above 0 and at most {MAX_COORDINATE}, is {value}"))
+    }
+}
+
+/// The corners of an aperture.
+pub(super) fn blades(value: i64) -> Result<u32, String> {
+    let blades = u32::try_from(value).ok().filter(|&n| n == 0 || (3..=MAX_BLADES).contains(&n));
+    blades.ok_or_else(|| {
+        format!("must be from 3 to {MAX_BLADES}, or 0 for a round aperture, is {value}")
+    })
+}
+
+/// A direction of any length but 0.
+pub(super) fn direction(value: DVec3) -> Result<(), &'static str> {
+    match value.as_vec3().as_dvec3().try_normalize() {
+        Some(_) => Ok(()),
+        None => Err("is zero: it must point somewhere"),
+    }
+}
+
+/// The angles of a cone from its axis, in degrees: the name of the wrong one, and why.
+pub(super) fn cone(inner: f64, outer: f64) -> Result<(), (&'static str, String)> {
+    if !(outer > 0.0 && outer <= 180.0) {
+        let what = format!("must be an angle in degrees, above 0 and at most 180, is {outer}");
+        return Err(("outer_angle", what));
+    }
+    if !(0.0..=outer).contains(&inner) {
+        let what = format!("must be an angle in degrees, from 0 to outer_angle, is {inner}");
+        return Err(("inner_angle", what));
+    }
+    Ok(())
+}
+
+/// An angle in degrees from an axis.
+pub(super) fn angle(value: f64) -> Result<f32, String> {
+    within(value, 0.0..=180.0)
+}
+
+/// The diameter of a light at infinity, in degrees.
+pub(super) fn angular_diameter(value: f64) -> Result<f32, String> {
+    within(value, 0.0..=90.0)
 }
 
 /// A rotation in degrees.

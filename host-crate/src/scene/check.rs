@@ -1,6 +1,7 @@
 //! Whether the parts of a scene fit together.
 
 use super::bounds::{self, MAX_COORDINATE, MAX_TEXELS, MAX_TEXTURE_SIDE};
+use super::camera::NamedCamera;
 use super::description::Scene;
 use super::film::FilmSize;
 use super::material::{Attenuation, Material, Opacity, Principled, Reflectance};
@@ -33,6 +34,11 @@ impl Scene {
         let FilmSize { width, height } = self.film;
         FilmSize::new(width.into(), height.into()).map_err(at("film"))?;
         self.camera.check().map_err(at("camera"))?;
+        for (index, NamedCamera { camera, film, .. }) in self.cameras.iter().enumerate() {
+            let place = format!("cameras[{index}]");
+            camera.check().map_err(at(&place))?;
+            FilmSize::new(film.width.into(), film.height.into()).map_err(at(&place))?;
+        }
         bounds::depth(self.limits.max_depth.into()).map_err(at("limits.max_depth"))?;
         bounds::depth(self.limits.roulette_depth.into()).map_err(at("limits.roulette_depth"))?;
         radiance(self.background).map_err(at("background"))?;
@@ -49,7 +55,8 @@ impl Scene {
                 what,
             })?;
         }
-        self.check_quad_lights()
+        self.check_quad_lights()?;
+        self.check_punctual_lights()
     }
 
     fn check_textures(&self) -> Result<(), InvalidScene> {
@@ -174,6 +181,15 @@ impl Scene {
         }
         Ok(())
     }
+
+    fn check_punctual_lights(&self) -> Result<(), InvalidScene> {
+        for (index, light) in self.punctual_lights.iter().enumerate() {
+            light
+                .check()
+                .map_err(|(field, what)| at(&format!("punctual_lights[{index}].{field}"))(what))?;
+        }
+        Ok(())
+    }
 }
 
 /// Names the place of what is wrong.
@@ -198,7 +214,7 @@ fn in_range(name: &str, index: u32, count: usize, of: &str) -> Result<(), String
 }
 
 fn check_texture(texture: &Texture) -> Result<(), String> {
-    let Texture { width, height, texels } = texture;
+    let Texture { width, height, texels, wrap: _ } = texture;
     if [width, height].iter().any(|side| !(1..=MAX_TEXTURE_SIDE).contains(side)) {
         return Err(format!(
             "width and height must be from 1 to {MAX_TEXTURE_SIDE} texels, are {width} and {height}"
@@ -288,7 +304,7 @@ mod tests {
     #[test]
     #[allow(clippy::type_complexity, reason = "a table of names and functions")]
     fn what_is_wrong_is_named() {
-        let texture = |width, texels| Texture { width, height: 1, texels: vec![[0; 4]; texels] };
+        let texture = |width, texels| Texture::new(width, 1, vec![[0; 4]; texels]);
         let nan = Vec3::new(0.0, f32::NAN, 0.0);
         let environment = |texel| Some(Environment::new(1, 1, vec![texel]));
         let bright = Environment { strength: 2e6, ..Environment::new(1, 1, vec![Vec3::ONE]) };
@@ -320,7 +336,7 @@ mod tests {
             ("film", &|s| s.film.width = 0),
             ("camera", &|s| s.camera.target = s.camera.origin),
             ("camera", &|s| s.camera.up = Vec3::ZERO),
-            ("camera", &|s| s.camera.fov_y = f32::NAN),
+            ("camera", &|s| s.camera = Camera::new(Vec3::Z, Vec3::ZERO, f32::NAN)),
             ("limits.max_depth", &|s| s.limits.max_depth = 0),
             ("background", &|s| s.background = Vec3::NEG_X),
             ("textures[0]", &|s| s.textures.push(texture(0, 0))),

@@ -1,9 +1,10 @@
 //! A scene as plain data.
 
-use super::camera::Camera;
-use super::environment::Environment;
+use super::camera::{Camera, NamedCamera};
+use super::environment::{Environment, LIT_BY_DEFAULT};
+use super::error::SceneError;
 use super::film::FilmSize;
-use super::light::QuadLight;
+use super::light::{PunctualLight, QuadLight};
 use super::limits::PathLimits;
 use super::material::{Material, MaterialId};
 use super::mesh::Mesh;
@@ -26,6 +27,8 @@ pub struct Scene {
     pub film: FilmSize,
     /// The camera.
     pub camera: Camera,
+    /// The cameras that may take its place, see [`Scene::use_camera`].
+    pub cameras: Vec<NamedCamera>,
     /// How long paths may be.
     pub limits: PathLimits,
     /// Radiance from where there is no surface, linear Rec.709, each component in [0, 1e12].
@@ -36,6 +39,8 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// The lamps that are no meshes.
     pub quad_lights: Vec<QuadLight>,
+    /// The lights that have no surface.
+    pub punctual_lights: Vec<PunctualLight>,
     /// The materials; [`Mesh::material`] points here.
     pub materials: Vec<Material>,
     /// The textures; [`Reflectance::Texture`](super::Reflectance::Texture) points here.
@@ -54,11 +59,13 @@ impl Scene {
             name: "scene".to_owned(),
             film,
             camera,
+            cameras: Vec::new(),
             limits: PathLimits::default(),
             background: Vec3::ZERO,
             environment: None,
             meshes: Vec::new(),
             quad_lights: Vec::new(),
+            punctual_lights: Vec::new(),
             materials: Vec::new(),
             textures: Vec::new(),
             warnings: Vec::new(),
@@ -88,9 +95,30 @@ impl Scene {
         self.quad_lights.push(light);
     }
 
+    /// Has the camera of this name make the picture, in the size that it asks for.
+    ///
+    /// # Errors
+    ///
+    /// When [`cameras`](Self::cameras) has none of that name.
+    pub fn use_camera(&mut self, name: &str) -> Result<(), SceneError> {
+        let Some(found) = self.cameras.iter().find(|camera| camera.name == name) else {
+            let known = self.cameras.iter().map(|camera| camera.name.clone()).collect();
+            return Err(SceneError::UnknownCamera { name: name.to_owned(), known });
+        };
+        self.camera = found.camera;
+        self.film = found.film;
+        Ok(())
+    }
+
+    /// Adds a light without a surface.
+    pub fn add_punctual_light(&mut self, light: PunctualLight) {
+        self.punctual_lights.push(light);
+    }
+
     /// Has an environment light it, in place of the one that there may be. If that emits, warnings
     /// that nothing does are taken back.
     pub fn set_environment(&mut self, environment: Environment) {
+        self.warnings.retain(|warning| !warning.ends_with(LIT_BY_DEFAULT));
         if environment.emits() {
             self.warnings.retain(|warning| !warning.ends_with(DARK));
         }
@@ -112,7 +140,9 @@ impl Scene {
         let meshes = self.meshes.iter().filter(|mesh| !mesh.triangles.is_empty());
         let surfaces = meshes.map(|mesh| radiance(mesh.material));
         let quads = self.quad_lights.iter().map(|light| light.radiance);
-        surfaces.chain(quads).chain([self.background]).any(|light| light.max_element() > 0.0)
+        let points = self.punctual_lights.iter().map(PunctualLight::colour);
+        let others = points.chain([self.background]);
+        surfaces.chain(quads).chain(others).any(|light| light.max_element() > 0.0)
             || self.environment.as_ref().is_some_and(Environment::emits)
     }
 }

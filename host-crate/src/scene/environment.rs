@@ -14,6 +14,10 @@ const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// How Radiance HDR files begin.
 const HDR: &[u8] = b"#?";
 
+/// How warnings end of scenes whose file has no light.
+pub(super) const LIT_BY_DEFAULT: &str = "white light from all around is used; give an environment, \
+    or an emissive material.";
+
 /// An environment: an equirectangular picture of radiances, which lights the scene from all around.
 ///
 /// The top of the picture is the zenith, +y. Without rotation its middle is seen towards -z and its
@@ -37,6 +41,11 @@ impl Environment {
     /// An environment of a picture, neither turned nor scaled; see [`Environment::texels`].
     pub fn new(width: u32, height: u32, texels: Vec<Vec3>) -> Self {
         Self { width, height, texels, rotation: 0.0, strength: 1.0 }
+    }
+
+    /// White light from all around, of radiance 1: what lights files that have no light.
+    pub fn white() -> Self {
+        Self::new(1, 1, vec![Vec3::ONE])
     }
 
     /// Whether any light comes from it.
@@ -82,7 +91,16 @@ impl LoadOptions {
     ///
     /// When the file cannot be read, is of another kind, broken or too large.
     pub fn load_environment(&self, path: &Path) -> Result<(Environment, Vec<String>), SceneError> {
-        let bytes = Disk.read(path, self.picture_bytes())?;
+        self.read_environment(&Disk, path)
+    }
+
+    /// The same of a file in `source`.
+    pub(super) fn read_environment(
+        &self,
+        source: &dyn Source,
+        path: &Path,
+    ) -> Result<(Environment, Vec<String>), SceneError> {
+        let bytes = source.read(path, self.picture_bytes())?;
         let fail = |what| SceneError::Environment { path: path.to_owned(), what };
         let (mut environment, mut warnings) = if bytes.starts_with(&EXR) {
             from_exr(path, &bytes)?

@@ -27,14 +27,14 @@ pub enum SceneError {
     },
     /// A scene would take more memory than it may.
     #[error(
-        "{}, line {line}: up to here the scene takes more than {} of memory",
+        "{}, {place}: up to here the scene takes more than {} of memory",
         .path.display(), amount(*.limit)
     )]
     TooLarge {
-        /// The OBJ file.
+        /// The file of geometry.
         path: PathBuf,
-        /// The line, from 1, that is one too many.
-        line: usize,
+        /// What is one too many, such as a line.
+        place: String,
         /// The memory that it may take, in bytes.
         limit: u64,
     },
@@ -57,7 +57,7 @@ pub enum SceneError {
         source: serde_json::Error,
     },
     /// The scene file has a format that this version does not read.
-    #[error("{}: key `format`: this version reads format 1, not {found}", .path.display())]
+    #[error("{}: key `format`: this version reads formats 1 and 2, not {found}", .path.display())]
     Format {
         /// The scene file.
         path: PathBuf,
@@ -100,10 +100,12 @@ pub enum SceneError {
         folder: PathBuf,
     },
     /// The scene file overrides materials that no face of the OBJ has.
-    #[error("{}: key `materials`: the OBJ has no face of {}; it uses {}", .path.display(), list(.names), list(.used))]
+    #[error("{}: key `{key}`: the OBJ has no face of {}; it uses {}", .path.display(), list(.names), list(.used))]
     UnknownMaterials {
         /// The scene file.
         path: PathBuf,
+        /// The key.
+        key: String,
         /// The names that are too many.
         names: Vec<String>,
         /// The names that the OBJ uses.
@@ -126,6 +128,35 @@ pub enum SceneError {
         path: PathBuf,
         /// What is wrong.
         what: String,
+    },
+    /// A part of a glTF or PLY file is missing, malformed or out of range.
+    #[error("{}, {place}: {what}", .path.display())]
+    Part {
+        /// The file.
+        path: PathBuf,
+        /// The part, as in `accessors[3]`.
+        place: String,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// A file requires what this version does not read.
+    #[error(
+        "{}: requires {}, which this version does not read; export it without", .path.display(),
+        list(.names)
+    )]
+    Extensions {
+        /// The glTF file.
+        path: PathBuf,
+        /// The names of the extensions.
+        names: Vec<String>,
+    },
+    /// A scene has no camera of that name.
+    #[error("no camera is called `{name}`; the scene has {}", list(.known))]
+    UnknownCamera {
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: Vec<String>,
     },
     /// A value of a material in an MTL file is malformed or out of range.
     #[error(

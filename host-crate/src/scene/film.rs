@@ -11,7 +11,23 @@ pub struct FilmSize {
     pub height: u32,
 }
 
+impl Default for FilmSize {
+    /// What is rendered of files that name no size: 800x600.
+    fn default() -> Self {
+        Self { width: 800, height: 600 }
+    }
+}
+
 impl FilmSize {
+    /// The size of a picture whose width is so many times its height, above 0: as wide as the
+    /// default one.
+    pub(super) fn of_aspect(aspect: f64) -> Self {
+        let width = Self::default().width;
+        let height =
+            (f64::from(width) / aspect).round().clamp(1.0, f64::from(bounds::MAX_FILM_SIDE));
+        Self { width, height: height as u32 }
+    }
+
     /// A size of `width` by `height` pixels.
     ///
     /// # Errors

@@ -2,27 +2,32 @@
 
 use super::description::Scene;
 use super::error::SceneError;
-use super::json;
+use super::formats;
 use super::memory::Memory;
 use super::options::LoadOptions;
 use super::shipped::{self, DEFAULT_SCENE};
-use super::source::{Disk, read_up_to};
+use super::source::{Disk, SceneBytes, read_up_to};
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 impl LoadOptions {
-    /// Loads a scene file of format 1 with its OBJ, MTL and textures.
+    /// Loads a scene file with its OBJs, MTLs, textures and environment, a glTF (`.gltf` or `.glb`)
+    /// with its buffers and textures, or a PLY. What a file is goes by its content, or else by the
+    /// end of its name.
+    ///
+    /// A glTF or PLY without a camera is seen from where all of it is in the picture, and one
+    /// without light is lit by [`Environment::white`](super::Environment::white).
     ///
     /// # Errors
     ///
     /// When a file is missing, malformed or too large, or a value out of range: the message names
     /// the file, the place in it and what to do.
     pub fn load(&self, path: &Path) -> Result<Scene, SceneError> {
-        json::load_from(&Disk, path, *self)
+        formats::load_from(&Disk, path, *self)
     }
 
-    /// Reads a scene file from `input`, such as standard input; it is called `name` in messages.
+    /// Reads a scene from `input`, such as standard input; it is called `name` in messages.
     /// The paths in it start from the working directory.
     ///
     /// # Errors
@@ -31,11 +36,12 @@ impl LoadOptions {
     pub fn read(&self, input: &mut dyn Read, name: &str) -> Result<Scene, SceneError> {
         let path = Path::new(name);
         let text = read_up_to(input, path, self.text_bytes())?;
-        json::load_text(&Disk, json::SceneText { path, folder: Path::new(""), text: &text }, *self)
+        let file = SceneBytes { path, folder: Path::new(""), bytes: &text };
+        formats::load_bytes(&Disk, file, *self)
     }
 
-    /// Loads a scene whose files are all in memory, by their paths: the scene file `scene` with its
-    /// OBJ, MTL and textures. No file of the disk is read.
+    /// Loads a scene whose files are all in memory, by their paths: `scene` with what it names, as
+    /// [`load`](Self::load). No file of the disk is read.
     ///
     /// # Errors
     ///
@@ -45,7 +51,7 @@ impl LoadOptions {
         files: &BTreeMap<PathBuf, Vec<u8>>,
         scene: &Path,
     ) -> Result<Scene, SceneError> {
-        json::load_from(&Memory(files), scene, *self)
+        formats::load_from(&Memory(files), scene, *self)
     }
 
     /// Loads the scene that ships under the name `name`.

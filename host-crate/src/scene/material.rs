@@ -138,6 +138,8 @@ pub struct Maps {
     pub metallic: Option<Channel>,
     /// Of shading normals.
     pub normal: Option<NormalMap>,
+    /// Of the emission, as sRGB.
+    pub emission: Option<TextureId>,
 }
 
 /// One channel of a texture, whose codes 0 to 255 stand for 0 to 1.
@@ -165,7 +167,8 @@ impl Maps {
         let channels = [self.roughness, self.metallic].map(|map| map.map(|map| map.texture));
         let [roughness, metallic] = channels;
         let normal = self.normal.map(|map| map.texture);
-        [self.base_colour, roughness, metallic, normal].into_iter().flatten()
+        let colours = [self.base_colour, self.emission];
+        colours.into_iter().chain([roughness, metallic, normal]).flatten()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Scenes as plain data, and the loaders that end there.
 //!
-//! A [`Scene`] is loaded from a [file](load), from one of those that [ship](load_named), or built
-//! in code:
+//! A [`Scene`] is loaded from a [file](load) (a scene file of format 1 with its OBJ, a glTF or a
+//! PLY), from one of those that [ship](load_named), or built in code:
 //!
 //! ```
 //! use glam::Vec3;
@@ -22,10 +22,14 @@
 mod bounds;
 mod camera;
 mod check;
+mod clean;
 mod description;
 mod environment;
 mod error;
 mod film;
+mod formats;
+mod framing;
+mod gltf;
 mod json;
 mod light;
 mod limits;
@@ -36,6 +40,7 @@ pub(crate) mod mesh;
 mod obj;
 mod options;
 mod picture;
+mod ply;
 mod recentre;
 mod rule;
 mod shipped;
@@ -44,13 +49,13 @@ mod summary;
 mod text;
 mod texture;
 
-pub use camera::Camera;
+pub use camera::{Camera, Lens, NamedCamera, Projection};
 pub use check::InvalidScene;
 pub use description::Scene;
 pub use environment::Environment;
 pub use error::SceneError;
 pub use film::FilmSize;
-pub use light::QuadLight;
+pub use light::{PunctualLight, QuadLight};
 pub use limits::PathLimits;
 pub use load::{embedded, load, load_named};
 pub use material::{
@@ -59,4 +64,4 @@ pub use material::{
 pub use mesh::Mesh;
 pub use options::LoadOptions;
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, shipped};
-pub use texture::{Texture, TextureId};
+pub use texture::{Texture, TextureId, Wrap};

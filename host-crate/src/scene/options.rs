@@ -6,8 +6,8 @@ pub struct LoadOptions {
     /// Memory in bytes that a scene may take while it is loaded and made ready, by estimates that
     /// err on the high side; 8 GiB by default.
     ///
-    /// It bounds all that is read: the OBJ may have a quarter of it, each picture an eighth, the
-    /// scene file and each MTL 1/128.
+    /// It bounds all that is read: a file of geometry (OBJ, glTF with its buffers, PLY) may have a
+    /// quarter of it, each picture an eighth, a scene file of format 1 and each MTL 1/128.
     pub max_memory: u64,
 }
 
@@ -23,8 +23,8 @@ impl LoadOptions {
         self.max_memory / 128
     }
 
-    /// The most bytes of an OBJ.
-    pub(super) fn obj_bytes(&self) -> u64 {
+    /// The most bytes of a file of geometry.
+    pub(super) fn geometry_bytes(&self) -> u64 {
         self.max_memory / 4
     }
 

@@ -4,7 +4,7 @@ use super::bounds::{MAX_TEXELS, MAX_TEXTURE_SIDE};
 use super::error::SceneError;
 use super::options::LoadOptions;
 use super::source::Source;
-use super::texture::{Texture, TextureId};
+use super::texture::{Texture, TextureId, Wrap};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, RgbaImage};
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -15,7 +15,7 @@ pub(super) struct Pictures {
     /// In the order in which they were first asked for.
     pub textures: Vec<Texture>,
     texels: usize,
-    loaded: HashMap<PathBuf, TextureId>,
+    loaded: HashMap<(PathBuf, [Wrap; 2]), TextureId>,
     options: LoadOptions,
 }
 
@@ -24,29 +24,45 @@ impl Pictures {
         Self { textures: Vec::new(), texels: 0, loaded: HashMap::new(), options }
     }
 
-    /// The texture in a picture file, which is read on the first call.
+    /// The texture in a picture file, which is read on the first call, and repeats.
     pub(super) fn load(
         &mut self,
         source: &dyn Source,
         path: &Path,
     ) -> Result<TextureId, SceneError> {
-        if let Some(&id) = self.loaded.get(path) {
+        let limit = self.options.picture_bytes();
+        self.load_by(path, [Wrap::Repeat; 2], || source.read(path, limit))
+    }
+
+    /// The texture in the picture that `read` reads on the first call, and which is called `path`.
+    pub(super) fn load_by(
+        &mut self,
+        path: &Path,
+        wrap: [Wrap; 2],
+        read: impl FnOnce() -> Result<Vec<u8>, SceneError>,
+    ) -> Result<TextureId, SceneError> {
+        let key = (path.to_owned(), wrap);
+        if let Some(&id) = self.loaded.get(&key) {
             return Ok(id);
         }
-        let bytes = source.read(path, self.options.picture_bytes())?;
-        let picture = self.decode(path, bytes)?;
+        let picture = self.decode(path, read()?)?;
         let (width, height) = picture.dimensions();
         self.texels += width as usize * height as usize;
         let id = TextureId(self.textures.len() as u32);
         let texels = picture.pixels().map(|texel| texel.0).collect();
-        self.textures.push(Texture { width, height, texels });
-        self.loaded.insert(path.to_owned(), id);
+        self.textures.push(Texture { wrap, ..Texture::new(width, height, texels) });
+        self.loaded.insert(key, id);
         Ok(id)
+    }
+
+    /// The texture of this name.
+    pub(super) fn get(&self, texture: TextureId) -> &Texture {
+        &self.textures[texture.0 as usize]
     }
 
     /// Whether any texel of a texture is to be seen through.
     pub(super) fn has_alpha(&self, texture: TextureId) -> bool {
-        self.textures[texture.0 as usize].texels.iter().any(|texel| texel[3] < 255)
+        self.get(texture).texels.iter().any(|texel| texel[3] < 255)
     }
 
     fn decode(&self, path: &Path, bytes: Vec<u8>) -> Result<RgbaImage, SceneError> {
@@ -97,7 +113,7 @@ mod tests {
         assert_eq!(pictures.load(&Disk, &path).unwrap(), TextureId(0));
         assert_eq!(pictures.load(&Disk, &path).unwrap(), TextureId(0));
         let texels = vec![[255, 0, 0, 255], [0, 0, 128, 255]];
-        assert_eq!(pictures.textures, [Texture { width: 1, height: 2, texels }]);
+        assert_eq!(pictures.textures, [Texture::new(1, 2, texels)]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::description::Scene;
 use super::error::SceneError;
-use super::json::load_from;
+use super::formats::load_from;
 use super::options::LoadOptions;
 use super::source::{Disk, Source};
 use raystream_scenes::FILES;

@@ -47,6 +47,22 @@ fn is_readable(path: &Path) -> bool {
     path.metadata().is_ok_and(|data| !data.is_dir())
 }
 
+/// A file that a scene is loaded from.
+#[derive(Clone, Copy)]
+pub(super) struct SceneBytes<'a> {
+    /// What the file is called in messages.
+    pub path: &'a Path,
+    /// The folder that its paths start from.
+    pub folder: &'a Path,
+    /// What is in it.
+    pub bytes: &'a [u8],
+}
+
+/// The folder of a file.
+pub(super) fn parent(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
 /// All bytes of `input`, which is called `path` in errors. It need not have an end.
 pub(super) fn read_up_to(
     input: &mut dyn Read,

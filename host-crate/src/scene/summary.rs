@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 pub(super) enum Fate {
     MissingTexture,
     UnreadableTexture,
+    MissingEmission,
+    UnreadableEmission,
     FoundByEnd,
     MeanOfTexture,
     Opaque,
@@ -17,6 +19,8 @@ pub(super) enum Fate {
     Unfiltered,
     WithoutEffect,
     DefinedAgain,
+    /// What these words say becomes of it.
+    Becomes(&'static str),
     /// Said among the details only: it changes no picture that follows the laws of light, or is a
     /// judgement that most files need.
     Judged(&'static str),
@@ -26,22 +30,30 @@ impl Fate {
     /// What to say before the list of things.
     fn in_words(self) -> &'static str {
         match self {
-            Self::MissingTexture => "these textures are not there, the colour Kd is used instead: ",
+            Self::MissingTexture => {
+                "these textures are not there, plain colours are used instead: "
+            }
             Self::UnreadableTexture => {
-                "these textures cannot be read, the colour Kd is used instead: "
+                "these textures cannot be read, plain colours are used instead: "
+            }
+            Self::MissingEmission => {
+                "these textures of emission are not there, the radiance Ke is used instead: "
+            }
+            Self::UnreadableEmission => {
+                "these textures of emission cannot be read, the radiance Ke is used instead: "
             }
             Self::FoundByEnd => {
                 "these paths lead nowhere, files of these names beside it are used: "
             }
             Self::MeanOfTexture => {
-                "faces without usable texture coordinates (vt) show the mean of their texture: "
+                "faces without usable texture coordinates show the mean of their texture: "
             }
             Self::Opaque => "opacity is left out, these surfaces are opaque: ",
             Self::Unlit => "emission by a texture is left out: ",
             Self::Unfiltered => "the filter of glass is left out, it is clear: ",
             Self::WithoutEffect => "these have no effect here: ",
             Self::DefinedAgain => "materials are defined again, the first definition counts: ",
-            Self::Judged(what) => what,
+            Self::Becomes(what) | Self::Judged(what) => what,
         }
     }
 }

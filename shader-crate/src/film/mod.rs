@@ -7,6 +7,7 @@
 
 pub mod accumulate;
 pub mod control;
+pub mod pixel_filter;
 pub mod splats;
 pub mod stream;
 pub mod sum;

@@ -66,7 +66,7 @@ pub fn first_hits(
     let mut sums = *features;
     while sums.samples < params.samples {
         let slot = Slot { rank: params.first_rank + lane, sample: sums.samples };
-        let ray = params.path.camera_ray(slot, &params.path.numbers(slot));
+        let ray = params.path.camera_ray(scene.abilities(), slot, &params.path.numbers(slot));
         let hit = scene.closest_hit(&ray);
         if hit.is_some() {
             let surface = Surface::at(&scene.surfaces, &ray, &hit);

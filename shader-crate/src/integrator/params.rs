@@ -1,10 +1,12 @@
 //! What is the same for all paths of a render, and how a path begins.
 
+use crate::film::pixel_filter::{PIXEL, PixelFilter};
 use crate::film::stream::Slot;
 use crate::film::tiles::pixel_of_rank;
 use crate::glam::Vec3;
-use crate::math::random::{PIXEL, RandomNumbers, unit_float};
+use crate::math::random::{self, LENS, RandomNumbers, unit_float};
 use crate::memory::device_struct;
+use crate::scene::abilities::{Abilities, PIXEL_FILTERS};
 use crate::scene::camera::Camera;
 use crate::scene::ray::Ray;
 use crate::scene::{SceneParams, TracingParams};
@@ -40,10 +42,10 @@ device_struct! {
         pub roulette_depth: u32,
         /// [`BOTH_TECHNIQUES`] unless a test wants one alone.
         pub techniques: u32,
-        /// Unused; zero.
-        pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
+        /// [`PixelFilter::kind`].
+        pub filter: u32,
+        /// [`PixelFilter::radius`].
+        pub filter_radius: f32,
         /// The camera.
         pub camera: Camera,
         /// The scene.
@@ -65,10 +67,38 @@ impl PathParams {
         RandomNumbers::new(self.sampler, self.seed, pixel, slot.sample)
     }
 
+    /// The filter of pixels, if that is not the pixel itself.
+    #[inline(always)]
+    pub fn pixel_filter(&self) -> PixelFilter {
+        PixelFilter { kind: self.filter, radius: self.filter_radius }
+    }
+
+    /// Whether pixels have another filter than themselves.
+    #[inline(always)]
+    pub fn has_pixel_filter(&self, abilities: impl Abilities) -> bool {
+        abilities.has(PIXEL_FILTERS) && self.filter != PIXEL
+    }
+
     /// The first segment of the path of a slot that is not empty.
-    pub fn camera_ray(&self, slot: Slot, numbers: &RandomNumbers) -> Ray {
+    #[inline(always)]
+    pub fn camera_ray(
+        &self,
+        abilities: impl Abilities,
+        slot: Slot,
+        numbers: &RandomNumbers,
+    ) -> Ray {
         let (x, y) = pixel_of_rank(slot.rank, self.camera.width, self.camera.height);
-        self.camera.ray(x, y, numbers.pair(PIXEL))
+        let u = numbers.pair(random::PIXEL);
+        let mut place = [x as f32 + u[0], y as f32 + u[1]];
+        if self.has_pixel_filter(abilities) {
+            let offset = self.pixel_filter().offset(u);
+            place = [x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]];
+        }
+        let mut lens = [0.0; 2];
+        if self.camera.has_lens(abilities) {
+            lens = numbers.pair(LENS);
+        }
+        self.camera.ray(abilities, place, lens)
     }
 
     /// Whether a path goes on after segment number `segment`: not if nothing is left of its

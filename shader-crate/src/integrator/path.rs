@@ -72,9 +72,14 @@ impl SampledLight {
 
 impl Path {
     /// The path of a slot that is not empty, at the camera.
-    pub fn begin(params: &PathParams, slot: Slot, numbers: &RandomNumbers) -> Self {
+    pub fn begin(
+        params: &PathParams,
+        abilities: impl Abilities,
+        slot: Slot,
+        numbers: &RandomNumbers,
+    ) -> Self {
         Self {
-            ray: params.camera_ray(slot, numbers),
+            ray: params.camera_ray(abilities, slot, numbers),
             depth: 1,
             throughput: Vec3::ONE,
             pdf: 0.0,
@@ -128,7 +133,7 @@ impl Path {
         self.throughput *= surface.transmittance(hit.t);
         if surface.emits() {
             let cosine = self.ray.direction.dot(surface.point.normal).abs();
-            let light_pdf = scene.lights.pdf_of_hit(surface.emission, hit.t, cosine);
+            let light_pdf = scene.lights.pdf_of_hit(surface.light_importance(), hit.t, cosine);
             let weight = self.found_weight(params, light_pdf);
             self.radiance += self.throughput * surface.emission * weight;
         }

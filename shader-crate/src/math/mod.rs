@@ -28,14 +28,11 @@ pub fn tangent_frame(n: Vec3) -> (Vec3, Vec3) {
 /// The square of the cosine of a radius of 1 - 2^-24, see [`sample_cosine_hemisphere`].
 const LEAST_COSINE_SQUARED: f32 = 2.0 * UNIT_ROUNDOFF;
 
-/// A direction about the unit vector `n`, of density `cos / pi`, from a uniform point of the unit
-/// square.
+/// A uniform point of the unit disc from a uniform point of the unit square.
 ///
-/// Malley's method over the concentric map of Shirley and Chiu, "A Low Distortion Map Between Disk
-/// and Square", JGT 2(3), 1997, which keeps the square's stratification. A coordinate of 24 bits is
-/// 0 once in 2^24 times, and stands for all below 2^-24: the direction is then that of its middle,
-/// and not in the surface, from where a rounding would take it through.
-pub fn sample_cosine_hemisphere(n: Vec3, u: [f32; 2]) -> Vec3 {
+/// Shirley and Chiu, "A Low Distortion Map Between Disk and Square", JGT 2(3), 1997, which keeps
+/// the square's stratification.
+pub fn concentric_disc(u: [f32; 2]) -> (f32, f32) {
     let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
     let horizontal = x.abs() > y.abs();
     let radius = if horizontal { x } else { y };
@@ -48,7 +45,17 @@ pub fn sample_cosine_hemisphere(n: Vec3, u: [f32; 2]) -> Vec3 {
     };
     let angle = core::f32::consts::FRAC_PI_4 * ratio;
     let (near, far) = (radius * angle.cos(), radius * angle.sin());
-    let (dx, dy) = if horizontal { (near, far) } else { (far, near) };
+    if horizontal { (near, far) } else { (far, near) }
+}
+
+/// A direction about the unit vector `n`, of density `cos / pi`, from a uniform point of the unit
+/// square.
+///
+/// Malley's method over the [`concentric_disc`]. A coordinate of 24 bits is 0 once in 2^24 times,
+/// and stands for all below 2^-24: the direction is then that of its middle, and not in the
+/// surface, from where a rounding would take it through.
+pub fn sample_cosine_hemisphere(n: Vec3, u: [f32; 2]) -> Vec3 {
+    let (dx, dy) = concentric_disc(u);
     let dz = (1.0 - dx * dx - dy * dy).max(LEAST_COSINE_SQUARED).sqrt();
     let (tangent, bitangent) = tangent_frame(n);
     (tangent * dx + bitangent * dy + n * dz).normalize()

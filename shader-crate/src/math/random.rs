@@ -2,8 +2,8 @@
 //! processor draws the same.
 //!
 //! Each half of a pixel's samples (see [`crate::film`]) has one sequence per **dimension**, a pair
-//! of numbers: the camera takes the first, every vertex of a path the next
-//! [`DIMENSIONS_PER_VERTEX`]. The sequence is indexed by the half's running sample count, so
+//! of numbers: the camera takes the first and, with a lens, [`LENS`]; every vertex of a path takes
+//! the next [`DIMENSIONS_PER_VERTEX`]. The sequence is indexed by the half's running sample count, so
 //! adaptive rounds continue where the last one stopped.
 
 /// Pairs of numbers that a path vertex may draw: [`BSDF`], [`LIGHT_POINT`], [`CHOICES`].
@@ -23,6 +23,9 @@ pub const LIGHT_POINT: u32 = 2;
 /// Dimension of a vertex that picks the light or the lobe (first number) and plays roulette
 /// (second).
 pub const CHOICES: u32 = 3;
+
+/// Dimension of the point on the lens, beyond those of all vertices.
+pub const LENS: u32 = 1 << 30;
 
 /// [`RandomNumbers::new`]'s `kind` for Owen-scrambled Sobol points.
 pub const SOBOL: u32 = 0;

@@ -19,14 +19,26 @@ pub const ENVIRONMENT: u32 = 1 << 1;
 /// Surfaces are [principled](crate::scene::bsdf::principled).
 pub const PRINCIPLED: u32 = 1 << 2;
 
+/// The [camera](crate::scene::camera) is no pinhole.
+pub const CAMERAS: u32 = 1 << 3;
+
+/// Some [lights](crate::scene::light::punctual) have no surface.
+pub const PUNCTUAL: u32 = 1 << 4;
+
+/// Textures say what surfaces emit.
+pub const EMISSION_MAPS: u32 = 1 << 5;
+
+/// Pixels have another [filter](crate::film::pixel_filter) than themselves.
+pub const PIXEL_FILTERS: u32 = 1 << 6;
+
 /// Principled surfaces have a [cover](crate::scene::bsdf::cover).
-pub const COVER: u32 = 1 << 3;
+pub const COVER: u32 = 1 << 7;
 
 /// Surfaces have holes, see [`crate::scene::bsdf::layers`].
-pub const HOLES: u32 = 1 << 4;
+pub const HOLES: u32 = 1 << 8;
 
 /// Bodies absorb light, see [`crate::scene::surface::Surface::transmittance`].
-pub const ABSORPTION: u32 = 1 << 5;
+pub const ABSORPTION: u32 = 1 << 9;
 
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;

@@ -81,7 +81,7 @@ pub const WHOLE: u32 = 1 << 31;
 
 /// How much farther than a ball's radius a segment reaches that is to leave it from any point
 /// inside.
-const REACH: f32 = 4.0;
+pub const REACH: f32 = 4.0;
 
 /// The environment of a scene.
 #[derive(Clone, Copy)]

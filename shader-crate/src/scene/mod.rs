@@ -3,11 +3,12 @@
 //! ```text
 //! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene
 //! surfaces: triangles, for shading | attributes | materials | lights | albedos of surfaces
-//!           | layers | albedos of boundaries and of sheen
+//!           | layers | albedos of boundaries and of sheen | maps of emission
 //! texels:   textures, see `texture` | environment, see `environment`
 //! ```
 //!
-//! Albedos and layers are there where the scene has principled materials.
+//! Albedos and layers are there where the scene has principled materials, maps where textures say
+//! what triangles emit.
 //!
 //! What traversal reads lies in `geometry`, what shading reads in `surfaces`. They are few because
 //! a kernel may bind few buffers (WebGPU promises eight), and two because each can then hold the
@@ -64,12 +65,12 @@ device_struct! {
         /// Word of `texels` where the environment's header begins, or
         /// [`environment::NO_ENVIRONMENT`].
         pub environment: u32,
+        /// Row of `surfaces` with the first map of emission.
+        pub first_emission_map: u32,
         /// Unused; zero.
         pub pad0: u32,
         /// Unused; zero.
         pub pad1: u32,
-        /// Unused; zero.
-        pub pad2: u32,
     }
 }
 
@@ -104,6 +105,7 @@ impl<'a, A: Abilities> SceneView<'a, A> {
         texels: &'a [u32],
     ) -> Self {
         let bvh = BvhView::new(geometry, params.first_planes, params.first_order);
+        let textures = TextureView::new(texels);
         Self {
             bvh,
             surfaces: SurfaceView {
@@ -113,7 +115,7 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 first_material: params.first_material,
                 first_albedos: params.first_light + params.lights * Light::ROWS,
                 offset_roundings: params.offset_roundings,
-                textures: TextureView::new(texels),
+                textures,
                 abilities,
             },
             lights: LightView {
@@ -122,7 +124,9 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 count: params.lights,
                 total_importance: params.total_importance,
                 offset_roundings: params.offset_roundings,
+                first_map: params.first_emission_map,
                 environment: EnvironmentView::new(texels, params.environment),
+                textures,
                 abilities,
             },
             background: params.background,
@@ -156,5 +160,11 @@ impl<'a, A: Abilities> SceneView<'a, A> {
             }
             passed = hit;
         }
+    }
+
+    /// What the scene uses.
+    #[inline(always)]
+    pub fn abilities(&self) -> A {
+        self.surfaces.abilities
     }
 }

@@ -4,11 +4,12 @@ use crate::glam::{UVec4, Vec3};
 use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::math::random::{hash, unit_float};
 use crate::memory::rows::{four_rows, seven_rows, three_rows, two_rows};
-use crate::scene::abilities::{ABSORPTION, Abilities, PRINCIPLED, TEXTURES};
+use crate::scene::abilities::{ABSORPTION, Abilities, EMISSION_MAPS, PRINCIPLED, TEXTURES};
 use crate::scene::bsdf::albedo::{self, AlbedoView};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
 use crate::scene::bvh::BvhView;
+use crate::scene::light::importance;
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
 use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, Triangle};
@@ -111,6 +112,8 @@ pub struct Surface<'a, F> {
     pub bsdf: Bsdf<'a, F>,
     /// Radiance of the front, linear Rec.709.
     pub emission: Vec3,
+    /// What the triangle is chosen by as a light if a texture says what it emits; else below 0.
+    pub mapped_importance: f32,
 }
 
 impl<'a, F: Abilities> Surface<'a, F> {
@@ -126,6 +129,7 @@ impl<'a, F: Abilities> Surface<'a, F> {
         if is_principled {
             layers = surfaces.layers(triangle.material);
         }
+        let mut mapped_importance = -1.0;
         let mut shading = geometric;
         if triangle.attributes != NO_ATTRIBUTES {
             let a = surfaces.attributes(triangle.attributes);
@@ -141,6 +145,11 @@ impl<'a, F: Abilities> Surface<'a, F> {
                     material.reflectance *= surfaces.textures.sample(material.texture, uv.x, uv.y);
                 }
                 if is_principled {
+                    if surfaces.abilities.has(EMISSION_MAPS) && layers.emission_map != NO_TEXTURE {
+                        let map = layers.emission_map;
+                        material.emission *= surfaces.textures.sample(map, uv.x, uv.y);
+                        mapped_importance = triangle.light_importance;
+                    }
                     layers = layers.textured(&surfaces.textures, uv);
                     if layers.normal_map != NO_TEXTURE && a.tangent != NO_TANGENT {
                         let slopes = layers.slopes(&surfaces.textures, uv);
@@ -162,6 +171,17 @@ impl<'a, F: Abilities> Surface<'a, F> {
                 surfaces.abilities,
             ),
             emission: material.emission,
+            mapped_importance,
+        }
+    }
+
+    /// The [`importance`] by which the triangle is chosen as a light.
+    #[inline(always)]
+    pub fn light_importance(&self) -> f32 {
+        if self.bsdf.abilities.has(EMISSION_MAPS) && self.mapped_importance >= 0.0 {
+            self.mapped_importance
+        } else {
+            importance(self.emission)
         }
     }
 

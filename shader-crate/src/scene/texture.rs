@@ -1,8 +1,10 @@
-//! Bilinear, repeating texture lookup.
+//! Bilinear texture lookup.
 //!
 //! All textures lie in one buffer of words: first the [`DECODE_WORDS`] linear values of the 256
 //! sRGB codes (as bits of f32), then for each texture its width, its height and its texels, row by
-//! row from the top, 0xAABBGGRR. A texture is named by the index of its width.
+//! row from the top, 0xAABBGGRR. A texture is named by the index of its width. Above the 16 bits of
+//! width and height stands how the texture goes on along that side, [`REPEAT`], [`CLAMP`] or
+//! [`MIRROR`].
 
 use crate::glam::{Vec3, Vec4};
 use crate::memory::access::at;
@@ -13,6 +15,15 @@ use spirv_std::num_traits::Float as _;
 pub const DECODE_WORDS: u32 = 256;
 /// The texture index of a surface that has none.
 pub const NO_TEXTURE: u32 = u32::MAX;
+
+/// Beyond its edge a texture begins again.
+pub const REPEAT: u32 = 0;
+/// Beyond its edge a texture goes on with its outermost texels.
+pub const CLAMP: u32 = 1 << 16;
+/// Beyond its edge a texture runs back, and forth again.
+pub const MIRROR: u32 = 2 << 16;
+/// The bits of a side's length.
+const LENGTH: u32 = 0xffff;
 
 /// The textures of a scene; see the module's text for the layout.
 #[derive(Clone, Copy)]
@@ -44,12 +55,13 @@ impl<'a> TextureView<'a> {
     }
 
     fn neighbours(&self, texture: u32, u: f32, v: f32) -> Neighbours {
-        let (width, height) = (at(self.words, texture), at(self.words, texture + 1));
-        let x = (u - u.floor()) * width as f32 - 0.5;
-        let y = (1.0 - (v - v.floor())) * height as f32 - 0.5;
+        let (across, down) = (at(self.words, texture), at(self.words, texture + 1));
+        let (width, height) = (across & LENGTH, down & LENGTH);
+        let x = fold(u, across) * width as f32 - 0.5;
+        let y = (1.0 - fold(v, down)) * height as f32 - 0.5;
         let (left, top) = (x.floor(), y.floor());
-        let (x0, x1) = (wrap(left, width), wrap(left + 1.0, width));
-        let (y0, y1) = (wrap(top, height), wrap(top + 1.0, height));
+        let (x0, x1) = (wrap(left, width, across), wrap(left + 1.0, width, across));
+        let (y0, y1) = (wrap(top, height, down), wrap(top + 1.0, height, down));
         let first = texture + 2;
         Neighbours {
             upper_left: first + y0 * width + x0,
@@ -92,12 +104,34 @@ struct Neighbours {
     down: f32,
 }
 
-/// The texel column (or row) of an integral coordinate in [-1, size], repeated.
-fn wrap(coordinate: f32, size: u32) -> u32 {
+/// The coordinate within the texture, in [0, 1], that is looked up instead of any other; `side` is
+/// the word of its width or height.
+fn fold(coordinate: f32, side: u32) -> f32 {
+    if side < CLAMP {
+        coordinate - coordinate.floor()
+    } else if side < MIRROR {
+        coordinate.clamp(0.0, 1.0)
+    } else {
+        let back_and_forth = coordinate * 0.5;
+        1.0 - (1.0 - 2.0 * (back_and_forth - back_and_forth.floor())).abs()
+    }
+}
+
+/// The texel column (or row) of an integral coordinate in [-1, size]. Where a texture runs back, the
+/// texel beyond its edge is the one before it.
+fn wrap(coordinate: f32, size: u32, side: u32) -> u32 {
+    let last = size - 1;
+    let repeats = side < CLAMP;
     if coordinate < 0.0 {
-        size - 1
+        if repeats { last } else { 0 }
     } else {
         let index = coordinate as u32;
-        if index >= size { 0 } else { index }
+        if index < size {
+            index
+        } else if repeats {
+            0
+        } else {
+            last
+        }
     }
 }

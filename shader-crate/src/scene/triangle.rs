@@ -2,7 +2,7 @@
 //! of them, see [`crate::scene::bvh::planes`].
 //!
 //! ```text
-//! triangle:   centroid, material | narrowness, attributes, least, unused
+//! triangle:   centroid, material | narrowness, attributes, least, light importance
 //! attributes: normal 0, u0 | normal 1, v0 | normal 2, u1 | v1, u2, v2, tangent
 //! ```
 //!
@@ -41,6 +41,9 @@ pub struct Triangle {
     /// The barycentric coordinates of a hit that are 0 on the triangle's own edges: the test is
     /// that of a larger one.
     pub least: f32,
+    /// Where a texture says what the triangle emits: the
+    /// [importance](crate::scene::light::importance) by which it is chosen as a light; else 0.
+    pub light_importance: f32,
 }
 
 device_struct! {
@@ -113,13 +116,16 @@ impl Triangle {
             narrowness: f32::from_bits(rows[1].x),
             attributes: rows[1].y,
             least: f32::from_bits(rows[1].z),
+            light_importance: float(rows[1]),
         }
     }
 
     /// The two rows.
     pub fn to_rows(&self) -> [UVec4; 2] {
-        let [narrowness, least] = [self.narrowness, self.least].map(f32::to_bits);
-        [row(self.centroid, self.material), UVec4::new(narrowness, self.attributes, least, 0)]
+        let [narrowness, least, light_importance] =
+            [self.narrowness, self.least, self.light_importance].map(f32::to_bits);
+        let rest = UVec4::new(narrowness, self.attributes, least, light_importance);
+        [row(self.centroid, self.material), rest]
     }
 
     /// The point where `ray` has hit this triangle, which lies in `plane`, for rays that leave it

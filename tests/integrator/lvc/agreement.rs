@@ -11,13 +11,16 @@ use raystream::render::BidirectionalTechniques::{
     self, Connections, Emission, LightTracing, WithoutConnections, WithoutLightSampling,
     WithoutLightTracing,
 };
-use raystream::render::{LightCacheSettings, PreparedScene, Settings};
+use raystream::render::{
+    LightCacheSettings, PixelFilter, PixelFilterShape, PreparedScene, Settings,
+};
 use raystream::scene::{
-    Attenuation, FilmSize, Material, Opacity, Principled, Scene, load, load_named,
+    Attenuation, FilmSize, Material, Opacity, Principled, Projection, PunctualLight, Scene, load,
+    load_named,
 };
 use raystream_tests::scenes::{self, add_ball, add_box, add_quad};
 use raystream_tests::statistics::assert_rounds_have_expectation;
-use raystream_tests::{large_scenes, prepare, render, settings, with_gpu};
+use raystream_tests::{cameras, large_scenes, prepare, render, settings, with_gpu};
 
 /// Rounds of a picture.
 const ROUNDS: usize = 256;
@@ -125,6 +128,95 @@ fn light_of_an_environment() {
             assert_rounds_have_expectation(&expected, &pictures, &what);
         }
     }
+}
+
+/// Both techniques that find a light path's first vertex, and all that go on from there.
+const FOR_LIGHT_PATHS: [BidirectionalTechniques; 5] = [
+    BidirectionalTechniques::All,
+    Connections,
+    LightTracing,
+    WithoutConnections,
+    WithoutLightTracing,
+];
+
+fn assert_techniques_agree(
+    scene: &Scene,
+    samples: u32,
+    pixel_filter: PixelFilter,
+    all: &[BidirectionalTechniques],
+    what: &str,
+) {
+    let prepared = prepare(scene);
+    let traced = Settings { seed: 1000, pixel_filter, ..settings(scene) };
+    let expected = render(&prepared, &traced, samples);
+    for &techniques in all {
+        let settings = lvc(scene, LIGHT_PATHS);
+        let light_cache = LightCacheSettings { techniques, ..settings.light_cache };
+        let settings = Settings { light_cache, pixel_filter, ..settings };
+        let pictures = rounds(&CpuExecutor, &prepared, &settings, ROUNDS, SAMPLES);
+        assert_rounds_have_expectation(&expected, &pictures, &format!("{what}, {techniques:?}"));
+    }
+}
+
+/// Points, spots and directions: no eye path runs into them. (Glass would tell the two apart:
+/// light tracing alone finds its caustics.)
+#[test]
+fn lights_without_surfaces() {
+    let metal = Material::Principled(Principled::metal(Vec3::new(0.9, 0.7, 0.4), 0.3));
+    for (name, ball) in [("diffuse", scenes::diffuse(0.6)), ("metal", metal)] {
+        let what = format!("{name} ball, lights without surfaces");
+        let (scene, filter) = (scenes::punctual(ball), PixelFilter::default());
+        assert_techniques_agree(&scene, 4096, filter, &FOR_LIGHT_PATHS, &what);
+    }
+}
+
+/// A lamp whose picture is bright here and black there.
+#[test]
+fn a_lamp_that_is_a_picture() {
+    let scene = scenes::picture_lamp(scenes::glass(1.5));
+    let all = [&FOR_LIGHT_PATHS[..], &[WithoutLightSampling]].concat();
+    assert_techniques_agree(&scene, 8192, PixelFilter::default(), &all, "a picture");
+}
+
+/// Light tracing finds the pixel by every camera as camera rays do.
+#[test]
+fn every_camera() {
+    for (name, scene) in cameras::seen_by_others(&scenes::room(scenes::glass(1.5), 1.0)) {
+        let all = [BidirectionalTechniques::All, LightTracing];
+        assert_techniques_agree(&scene, 4096, PixelFilter::default(), &all, name);
+    }
+}
+
+/// A splat counts for all pixels whose filters reach it.
+#[test]
+fn every_pixel_filter() {
+    let scene = scenes::room(scenes::glass(1.5), 1.0);
+    for &shape in PixelFilterShape::ALL {
+        let pixel_filter = PixelFilter { width: 2.5, shape };
+        let all = [BidirectionalTechniques::All, LightTracing];
+        assert_techniques_agree(&scene, 4096, pixel_filter, &all, shape.name());
+    }
+}
+
+/// The left edge of a panorama is beside the right one, and its upper edge beside itself.
+#[test]
+fn pixel_filters_go_around_a_panorama() {
+    let mut scene = scenes::room(scenes::glass(1.5), 1.0);
+    scene.camera.projection = Projection::Panorama;
+    let pixel_filter = PixelFilter { width: 4.0, shape: PixelFilterShape::Gaussian };
+    assert_techniques_agree(&scene, 8192, pixel_filter, &[LightTracing], "a panorama");
+}
+
+/// The comparison can fail: the pictures of two filters differ.
+#[test]
+#[should_panic(expected = "another filter")]
+fn another_pixel_filter_is_noticed() {
+    let scene = scenes::room(scenes::glass(1.5), 1.0);
+    let (prepared, expected) = path_traced(&scene, 4096);
+    let pixel_filter = PixelFilter { width: 5.0, shape: PixelFilterShape::Tent };
+    let settings = Settings { pixel_filter, ..lvc(&scene, LIGHT_PATHS) };
+    let pictures = rounds(&CpuExecutor, &prepared, &settings, ROUNDS, SAMPLES);
+    assert_rounds_have_expectation(&expected, &pictures, "another filter");
 }
 
 /// Shading normals far from those of the triangles: light paths need the adjoint BSDF, which shows
@@ -322,6 +414,23 @@ fn scale_does_not_matter() {
             rounds(&CpuExecutor, &prepare(&scene), &lvc(&scene, LIGHT_PATHS), ROUNDS, SAMPLES);
         assert_rounds_have_expectation(&expected, &pictures, &format!("scale {scale}"));
     }
+}
+
+/// Everything at once: a lamp that is a picture, lights without surfaces, a lens, a pixel filter.
+#[test]
+fn the_gpu_agrees_on_lights_cameras_and_filters() {
+    with_gpu(|gpu| {
+        let mut scene = scenes::picture_lamp(scenes::diffuse(0.8));
+        scene.add_punctual_light(PunctualLight::point(Vec3::new(0.2, 0.7, 0.3), Vec3::splat(0.3)));
+        scene.camera = cameras::others(scene.camera)[0].1;
+        let pixel_filter = PixelFilter::of(PixelFilterShape::Gaussian);
+        let prepared = prepare(&scene);
+        let traced = Settings { seed: 1000, pixel_filter, ..settings(&scene) };
+        let expected = render(&prepared, &traced, 4096);
+        let settings = Settings { pixel_filter, ..lvc(&scene, LIGHT_PATHS) };
+        let pictures = rounds(gpu, &prepared, &settings, 128, SAMPLES);
+        assert_rounds_have_expectation(&expected, &pictures, "everything on the GPU");
+    });
 }
 
 #[test]

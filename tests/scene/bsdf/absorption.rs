@@ -2,14 +2,14 @@
 
 use glam::Vec3;
 use raystream::render::Settings;
-use raystream::scene::{Attenuation, Material, Principled, Scene};
+use raystream::scene::{Attenuation, Material, Principled, Projection, Scene};
 use raystream_tests::scenes::{self, add_box};
 use raystream_tests::{prepare, render, settings};
 
 /// A slab that bends nothing, so thick, before a white background.
 fn slab(thickness: f32, material: Principled) -> Scene {
     let mut scene = scenes::empty(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO);
-    scene.camera.fov_y = 0.5;
+    scene.camera.projection = Projection::Perspective { fov_y: 0.5, lens: None };
     let material = scene.add_material(Material::Principled(material));
     let far = Vec3::new(5.0, 5.0, 0.0);
     add_box(&mut scene, -far - Vec3::Z * thickness, far, false, material);
@@ -35,7 +35,7 @@ fn light_is_lost_by_beers_law() {
         for pixel in film.plain() {
             // All paths go straight through, but for what microfacets as flat as possible hide.
             let off = (pixel - expected).abs().max_element();
-            assert!(off < 1e-3, "{thickness}: {} instead of {expected}", pixel);
+            assert!(off < 1e-3, "{thickness}: {pixel} instead of {expected}");
         }
     }
 }

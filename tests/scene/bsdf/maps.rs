@@ -20,7 +20,7 @@ fn floor(
 ) -> PreparedScene {
     let camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
     let mut scene = Scene::new(camera, FilmSize { width: 4, height: 3 });
-    let texture = scene.add_texture(Texture { width: 1, height: 1, texels: vec![texel] });
+    let texture = scene.add_texture(Texture::new(1, 1, vec![texel]));
     let material = scene.add_material(Material::Principled(material(texture)));
     let corners = [Vec2::new(-9.0, -9.0), Vec2::new(9.0, -9.0), Vec2::new(0.0, 9.0)];
     let positions = corners.map(|corner| corner.extend(0.0)).to_vec();
@@ -42,6 +42,7 @@ fn maps_multiply_what_the_material_has() {
             base_colour: Some(texture),
             roughness: Some(Channel { texture, channel: 1 }),
             metallic: Some(Channel { texture, channel: 2 }),
+            emission: None,
             normal: None,
         },
         ..material()

@@ -125,6 +125,50 @@ fn the_keys_of_physically_based_materials() {
     assert!(error.contains("Pr") && error.contains("from 0 to 1, is 1.5"), "{error}");
 }
 
+/// A texture of emission multiplies `Ke`, or white; other paint becomes principled for it.
+#[test]
+fn textures_of_emission_are_shown() {
+    let colour = Vec3::new(0.8, 0.1, 0.1);
+    let of = |mtl: &str| {
+        let mtl = format!("newmtl plain\nKd .8 .1 .1\n{mtl}");
+        let scene = scene(SQUARE, &mtl);
+        assert_eq!(scene.warnings, [""; 0], "{mtl}");
+        let Material::Principled(material) = scene.materials[0] else {
+            panic!("{mtl}: {:?}", scene.materials[0]);
+        };
+        assert!(material.maps.emission.is_some(), "{mtl}");
+        material
+    };
+    let glowing = of("map_Ke t.png\n");
+    assert_eq!((glowing.emission, glowing.base_colour), (Vec3::ONE, colour));
+    assert_eq!((glowing.roughness, glowing.specular), (1.0, Vec3::ZERO));
+    assert_eq!(of("Ke 3\nmap_Ke t.png\n").emission, Vec3::splat(3.0));
+    assert_eq!(of("Ke 0 0 0\nmap_emissive t.png\n").emission, Vec3::ONE);
+    let metal = of("Pr .2\nPm 1\nKe 2 1 0\nmap_Ke t.png\n");
+    assert_eq!(
+        (metal.roughness, metal.metallic, metal.emission),
+        (0.2, 1.0, Vec3::new(2.0, 1.0, 0.0))
+    );
+    let both = of("map_Kd t.png\nmap_Ke t.png\n");
+    assert_eq!(both.maps.base_colour, both.maps.emission);
+    let gone = scene(SQUARE, "newmtl plain\nKe 2\nmap_Kd t.png\nmap_Ke gone.png\n");
+    assert!(matches!(gone.materials[0], Material::Emissive { .. }), "{:?}", gone.materials);
+    assert_warns(&gone, &["no effect", "`map_Kd` of `plain`"]);
+    let moved = scene(SQUARE, "newmtl plain\nmap_Kd t.png\nmap_Ke -s 2 t.png\n");
+    assert_warns(&moved, &["no effect", "place of", "t.png"]);
+}
+
+#[test]
+fn coats_and_sheen_arrive() {
+    let scene = scene(SQUARE, "newmtl plain\nKd .8 .1 .1\nPr 0.3\nPc 1\nPcr 0.25\nPs 0.5\n");
+    let Material::Principled(material) = scene.materials[0] else {
+        panic!("{:?}", scene.materials[0]);
+    };
+    assert_eq!((material.coat, material.coat_roughness), (1.0, 0.25));
+    assert_eq!(material.sheen, Vec3::splat(0.5));
+    assert_eq!(scene.warnings, [""; 0]);
+}
+
 #[test]
 fn what_is_left_out_is_said() {
     let with = |mtl: &str| scene(SQUARE, format!("newmtl plain\nKd .8 .1 .1\n{mtl}"));
@@ -133,11 +177,12 @@ fn what_is_left_out_is_said() {
         ("Tr 1\n", ["opaque", "`Tr` of `plain`"]),
         ("d 1\nTr 1\n", ["no effect", "`Tr` of `plain`"]),
         ("map_d mask.png\n", ["opaque", "`map_d` of `plain`"]),
-        ("map_Ke glow.png\n", ["emission", "`map_Ke` of `plain`"]),
+        ("map_Ke glow.png\n", ["textures of emission are not there", "`glow.png` of `plain`"]),
+        ("illum 5\nKs 1\nmap_Ke t.png\n", ["emission by a texture", "`map_Ke` of `plain`"]),
         ("illum 4\nNi 1.5\nTf .1 .6 .1\n", ["filter", "`Tf` of `plain`"]),
         ("Ks .9 .9 .9\nNs 200\n", ["no effect", "`Ks` of `plain`; `Ns` of `plain`"]),
         ("map_Bump b.png\nnorm n.png\n", ["no effect", "`map_Bump` of `plain`; `norm` of `plain`"]),
-        ("Pr 0.3\nPc 1\nPs 1\n", ["no effect", "`Pc` of `plain`; `Ps` of `plain`"]),
+        ("Pr 0.3\naniso 1\n", ["no effect", "`aniso` of `plain`"]),
         ("Pr 0.3\nmap_Pr r.png\nd 0.5\n", ["no effect", "`map_Pr` of `plain`"]),
         ("Ke 1 1 1\nmap_Kd t.png\n", ["no effect", "`map_Kd` of `plain`"]),
     ] {

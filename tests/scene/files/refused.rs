@@ -40,12 +40,12 @@ fn files_of_other_kinds_are_named() {
         ("ball.obj", OBJ, "is an OBJ, not a scene"),
         ("ball.txt", OBJ, "is an OBJ, not a scene"),
         ("ball.mtl", MTL, "is an MTL"),
-        ("ball.gltf", "{\"asset\": 1}", "another format (gltf)"),
+        ("ball.fbx", "Kaydara FBX", "another format (fbx)"),
         ("ball.png", "\u{89}PNG", "is a picture"),
     ] {
         let message = given(name, content);
         assert!(message.contains(kind) && message.contains(name), "{message}");
-        assert!(message.contains("a scene is a JSON file"), "{message}");
+        assert!(message.contains("a JSON file that names an OBJ"), "{message}");
     }
     let folder = SceneFolder::new();
     let message = raystream::scene::load(&folder.path("")).unwrap_err().to_string();

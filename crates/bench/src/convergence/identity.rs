@@ -4,7 +4,8 @@ use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
-    Camera, Channel, Maps, Material, Principled, Reflectance, Scene, TextureId,
+    Camera, Channel, Lens, Maps, Material, Principled, Projection, PunctualLight, Reflectance,
+    Scene, TextureId,
 };
 use sha2::{Digest, Sha256};
 
@@ -40,6 +41,9 @@ impl Identity {
         ];
         if settings.integrator == IntegratorKind::Lvc {
             pairs.push(pair("light_cache", format!("{:?}", settings.light_cache)));
+        }
+        if !settings.pixel_filter.is_pixel() {
+            pairs.push(pair("pixel_filter", format!("{:?}", settings.pixel_filter)));
         }
         Self(pairs)
     }
@@ -92,9 +96,12 @@ fn scene_digest(scene: &Scene) -> String {
     let lengths =
         [scene.meshes.len(), scene.quad_lights.len(), scene.materials.len(), scene.textures.len()];
     add(&mut hasher, &lengths.map(|length| length as u64));
-    let Camera { origin, target, up, fov_y } = scene.camera;
+    let Camera { origin, target, up, projection } = scene.camera;
     add(&mut hasher, &[origin, target, up]);
-    add(&mut hasher, &[fov_y]);
+    add_projection(&mut hasher, projection);
+    for light in &scene.punctual_lights {
+        add_punctual_light(&mut hasher, light);
+    }
     hex(&hasher.finalize())
 }
 
@@ -137,6 +144,42 @@ fn add_material(hasher: &mut Sha256, material: &Material) {
     }
 }
 
+fn add_projection(hasher: &mut Sha256, projection: Projection) {
+    match projection {
+        Projection::Perspective { fov_y, lens } => {
+            add(hasher, &[fov_y]);
+            if let Some(Lens { radius, focus_distance, blades }) = lens {
+                add(hasher, &[radius, focus_distance]);
+                add(hasher, &[blades]);
+            }
+        }
+        Projection::Orthographic { width } => {
+            hasher.update([1]);
+            add(hasher, &[width]);
+        }
+        Projection::Panorama => hasher.update([2]),
+    }
+}
+
+fn add_punctual_light(hasher: &mut Sha256, light: &PunctualLight) {
+    match *light {
+        PunctualLight::Point { position, intensity } => {
+            hasher.update([0]);
+            add(hasher, &[position, intensity]);
+        }
+        PunctualLight::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+            hasher.update([1]);
+            add(hasher, &[position, direction, intensity]);
+            add(hasher, &[inner_angle, outer_angle]);
+        }
+        PunctualLight::Directional { direction, irradiance, angle } => {
+            hasher.update([2]);
+            add(hasher, &[direction, irradiance]);
+            add(hasher, &[angle]);
+        }
+    }
+}
+
 fn add_maps(hasher: &mut Sha256, maps: &Maps) {
     let texture = |map: Option<TextureId>| map.map_or(u32::MAX, |map| map.0);
     let channel =
@@ -145,6 +188,9 @@ fn add_maps(hasher: &mut Sha256, maps: &Maps) {
     add(hasher, &[texture(maps.base_colour), texture(maps.normal.map(|map| map.texture))]);
     add(hasher, &[roughness, metallic].concat());
     add(hasher, &[maps.normal.map_or(1.0, |map| map.scale)]);
+    if let Some(emission) = maps.emission {
+        add(hasher, &[emission.0]);
+    }
 }
 
 /// A digest of a picture's channels, their names aside.
@@ -165,7 +211,7 @@ fn hex(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raystream::render::LightCacheSettings;
+    use raystream::render::{LightCacheSettings, PixelFilter};
     use raystream::scene::{Environment, FilmSize, embedded};
 
     fn settings() -> Settings {
@@ -197,7 +243,12 @@ mod tests {
             },
             {
                 let mut scene = scene.clone();
-                scene.camera.fov_y += 1.0;
+                scene.camera.projection = Projection::Panorama;
+                scene
+            },
+            {
+                let mut scene = scene.clone();
+                scene.add_punctual_light(PunctualLight::point(glam::Vec3::Y, glam::Vec3::ONE));
                 scene
             },
             {
@@ -216,6 +267,10 @@ mod tests {
         }
         let changed_settings = [
             Settings { seed: 2, ..settings() },
+            Settings {
+                pixel_filter: PixelFilter { width: 2.0, ..PixelFilter::default() },
+                ..settings()
+            },
             Settings { max_depth: 7, ..settings() },
             Settings { size: FilmSize { width: 3, height: 4 }, ..settings() },
             Settings { ray_offset: 5.0, ..settings() },

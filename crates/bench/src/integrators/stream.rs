@@ -42,7 +42,7 @@ impl<B> Stream<B> {
         let slots: Vec<Slot> =
             (0..count).map(|k| Slot { rank: k / samples, sample: k % samples }).collect();
         Ok(Self {
-            scene: scene.buffers(executor)?,
+            scene: scene.buffers_for(executor, settings.abilities())?,
             settings: *settings,
             parameters: scene.parameters(settings),
             without_shadow_rays: scene

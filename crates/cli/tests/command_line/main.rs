@@ -12,6 +12,7 @@ mod integrators;
 mod interrupt;
 mod kills;
 mod memory;
+mod models;
 mod options;
 mod outputs;
 mod program;

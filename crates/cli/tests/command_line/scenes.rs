@@ -101,7 +101,7 @@ fn textures_that_are_wrong() {
     let textured = MTL.replace("Kd 1 0 0", "map_Kd wall.png");
     let broken =
         SceneFolder::new().with("a.mtl", &textured).with("wall.png", b"\x89PNG\r\n\x1a\nbroken");
-    warned(&broken, &["a.mtl", "wall.png", "cannot be read", "Kd"]);
+    warned(&broken, &["a.mtl", "wall.png", "cannot be read", "plain colours"]);
     let override_ = |texture: &str| {
         SceneFolder::new().json(|scene| {
             scene["materials"] =

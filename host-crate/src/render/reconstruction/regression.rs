@@ -3,6 +3,7 @@
 use super::halves::FilteredHalves;
 use super::{Filter, FilterInputs, FilterView};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::render::scene::camera::pinhole;
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::filtered::FilteredPixel;
@@ -35,13 +36,14 @@ impl<B: Send + Sync + 'static> Filter<B> for Regression<B> {
         filtered: &'a Array<B, FilteredPixel>,
     ) -> Vec<Launch<'a, B>> {
         let FilmSize { width, height } = inputs.size;
+        let (origin, pixel_pitch) = pinhole(&view.camera);
         let parameters = RegressionParams {
             threads: width * height,
             width,
             height,
             radius: RADIUS,
-            origin: view.camera.origin,
-            pixel_pitch: view.camera.right.length(),
+            origin,
+            pixel_pitch,
             strength: STRENGTH * STRENGTH,
             explained: EXPLAINED,
             ..RegressionParams::zeroed()

@@ -127,10 +127,10 @@ fn layers(principled: &Principled, tables: &mut Tables, places: &[u32]) -> Layer
         flags: opacity | if principled.thin_walled { THIN } else { 0 },
         alpha,
         cutoff,
+        emission_map: place_of(principled.maps.emission),
         pad0: 0,
-        pad1: 0,
         absorption: principled.absorption(),
-        pad2: 0,
+        pad1: 0,
     }
 }
 

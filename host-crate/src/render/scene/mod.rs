@@ -3,6 +3,7 @@
 mod albedos;
 pub mod bvh;
 pub mod camera;
+mod emission_maps;
 mod environment;
 mod geometry;
 mod lights;
@@ -14,17 +15,20 @@ mod triangles;
 use self::bvh::BvhQuality;
 use self::environment::{Ball, PackedEnvironment};
 use self::geometry::Geometry;
+use self::lights::{Emitters, Lights};
 use self::materials::Layered;
 use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
-use crate::scene::{Camera, Material, PathLimits, Scene};
+use crate::scene::{Camera, Material, PathLimits, Projection, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec4, Vec3};
 use raystream_shaders::scene::abilities::{
-    ABSORPTION, ALL, COVER, ENVIRONMENT, Fixed, HOLES, PRINCIPLED, TEXTURES,
+    ABSORPTION, ALL, CAMERAS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, PRINCIPLED,
+    PUNCTUAL, TEXTURES,
 };
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
+use raystream_shaders::scene::light::{DIRECTION, Light, POINT};
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -64,19 +68,28 @@ impl PreparedScene {
     pub fn new(scene: &Scene, quality: BvhQuality) -> Result<Self, RenderError> {
         scene.check()?;
         let Geometry { triangles, attributes, degenerate, copies } = geometry::gather(scene);
-        let Textures { words: mut texels, places } = textures::pack(&scene.textures);
+        let textures = textures::pack(&scene.textures);
+        let mapped = emission_maps::of_triangles(scene, &triangles, &attributes, &textures);
+        let Textures { words: mut texels, places } = textures;
         let materials = materials::table(scene, &places);
         let bvh = bvh::build(&triangles, quality);
         let environment = scene.environment.as_ref().and_then(PackedEnvironment::new);
         let ball = Ball::around(triangles.iter().flat_map(|triangle| triangle.corners));
         let power = environment.as_ref().map(|packed| packed.power * ball.radius_squared());
-        let lights = lights::build(&triangles, &materials, power);
+        let lights = lights::build(&Emitters {
+            triangles: &triangles,
+            materials: &materials,
+            mapped: &mapped,
+            punctual: &scene.punctual_lights,
+            ball,
+            environment: power,
+        });
         let mut geometry = bvh.nodes;
         let first_planes = append(&mut geometry, &triangles::planes(&triangles, &bvh.order));
         let first_order = append(&mut geometry, &rows_of(&bvh.order));
-        let mut surfaces = triangles::shading(&triangles, &bvh.order);
+        let mut surfaces = triangles::shading(&triangles, &mapped, &bvh.order);
         let Layered { layers, albedos: further } = materials::layered(scene, &places);
-        let params = SceneParams {
+        let mut params = SceneParams {
             background: scene.background,
             lights: lights.table.len() as u32,
             total_importance: lights.total_importance,
@@ -97,12 +110,13 @@ impl PreparedScene {
             append(&mut surfaces, &layers);
             append(&mut surfaces, &further);
         }
+        params.first_emission_map = append(&mut surfaces, &lights.maps);
         Ok(Self {
             geometry,
             surfaces,
             texels,
             params,
-            abilities: abilities(scene, &params),
+            abilities: abilities(scene, &params, &lights),
             scene_triangles: bvh.order,
             degenerate,
             copies,
@@ -126,14 +140,25 @@ impl PreparedScene {
         SceneView::new(Fixed, &self.params, &self.geometry, &self.surfaces, &self.texels)
     }
 
-    /// Copies it to a device.
+    /// Copies it to a device, for kernels that have these abilities beside the scene's: those that
+    /// [settings use](super::Settings::abilities).
+    pub fn buffers_for<E: Executor>(
+        &self,
+        executor: &E,
+        abilities: u32,
+    ) -> Result<SceneBuffers<E::Buffer>, ExecError> {
+        let abilities = self.abilities | abilities;
+        SceneBuffers::new(executor, abilities, &self.geometry, &self.surfaces, &self.texels)
+    }
+
+    /// Copies it to a device, for kernels that know of no settings.
     pub fn buffers<E: Executor>(&self, executor: &E) -> Result<SceneBuffers<E::Buffer>, ExecError> {
         SceneBuffers::new(executor, self.abilities, &self.geometry, &self.surfaces, &self.texels)
     }
 }
 
 /// What a scene uses.
-fn abilities(scene: &Scene, params: &SceneParams) -> u32 {
+fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
     let has_textures = any(|material| material.textures().next().is_some());
     let is_principled = any(|material| matches!(material, Material::Principled(_)));
@@ -142,15 +167,23 @@ fn abilities(scene: &Scene, params: &SceneParams) -> u32 {
     let absorbs =
         any(|material| matches!(material, Material::Principled(p) if p.absorption() != Vec3::ZERO));
     let has_environment = params.environment != NO_ENVIRONMENT;
-    let uses = [
+    let is_pinhole = matches!(scene.camera.projection, Projection::Perspective { .. })
+        && !scene.camera.projection.has_lens();
+    let is_punctual = |light: &Light| matches!(light.kind, POINT | DIRECTION);
+    [
         (has_textures, TEXTURES),
         (has_environment, ENVIRONMENT),
         (is_principled, PRINCIPLED),
         (has_cover, COVER),
         (has_holes, HOLES),
         (absorbs, ABSORPTION),
-    ];
-    uses.into_iter().filter(|(uses, _)| *uses).fold(0, |word, (_, ability)| word | ability)
+        (!is_pinhole, CAMERAS),
+        (lights.table.iter().any(is_punctual), PUNCTUAL),
+        (!lights.maps.is_empty(), EMISSION_MAPS),
+    ]
+    .into_iter()
+    .filter(|(uses, _)| *uses)
+    .fold(0, |word, (_, ability)| word | ability)
 }
 
 /// Four words to a row, the last filled up by zeros.
@@ -172,7 +205,7 @@ mod tests {
     use super::*;
     use raystream_shaders::scene::bsdf;
     use raystream_shaders::scene::bsdf::layers::Layers;
-    use raystream_shaders::scene::light::Light;
+    use raystream_shaders::scene::light::EmissionMap;
     use raystream_shaders::scene::triangle::Attributes;
 
     /// The rows of an element whose every word differs, and the element.
@@ -192,6 +225,8 @@ mod tests {
         assert_eq!(Layers::from_rows(rows), layers);
         let (rows, light) = numbered::<Light, { Light::ROWS as usize }>();
         assert_eq!(Light::from_rows(rows), light);
+        let (rows, map) = numbered::<EmissionMap, { EmissionMap::ROWS as usize }>();
+        assert_eq!(EmissionMap::from_rows(rows), map);
         let (rows, attributes) = numbered::<Attributes, { Attributes::ROWS as usize }>();
         assert_eq!(Attributes::from_rows(rows), attributes);
     }

@@ -1,5 +1,6 @@
 //! The table of triangles, in both of its forms.
 
+use super::emission_maps::MappedEmission;
 use super::scene_triangle::SceneTriangle;
 use glam::{DVec3, UVec4, Vec3, Vec3A};
 use raystream_shaders::math::UNIT_ROUNDOFF;
@@ -16,8 +17,12 @@ pub fn planes(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
 }
 
 /// The rows for shading of the same triangles, as [`raystream_shaders::scene::triangle`] lays them
-/// out.
-pub fn shading(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
+/// out; `mapped` is what textures say of each, or empty.
+pub fn shading(
+    triangles: &[SceneTriangle],
+    mapped: &[Option<MappedEmission>],
+    order: &[u32],
+) -> Vec<UVec4> {
     let rows = |&index: &u32| {
         let SceneTriangle { corners, material, attributes } = triangles[index as usize];
         let functions = Functions::of(corners);
@@ -28,6 +33,11 @@ pub fn shading(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
             narrowness: functions.narrowness() as f32,
             attributes,
             least: (enlarged / (1.0 + 3.0 * enlarged)) as f32,
+            light_importance: mapped
+                .get(index as usize)
+                .copied()
+                .flatten()
+                .map_or(0.0, |mapped| mapped.importance),
         }
         .to_rows()
     };

@@ -1,6 +1,7 @@
 //! What users can set about the estimators.
 
 use crate::names::named;
+use crate::render::scene::camera::pinhole;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::ErrorForm;
 use raystream_shaders::estimator::bilateral::FilterParams;
@@ -86,11 +87,12 @@ impl FilterSettings {
     /// A kernel's parameters for the camera's picture, but for the pixels that a launch takes.
     pub(in crate::render) fn parameters(&self, camera: &Camera, form: ErrorForm) -> FilterParams {
         let radius = self.radius as f32;
+        let (origin, pixel_pitch) = pinhole(camera);
         FilterParams {
             width: camera.width,
             height: camera.height,
-            origin: camera.origin,
-            pixel_pitch: camera.right.length(),
+            origin,
+            pixel_pitch,
             form,
             radius: self.radius,
             color: u32::from(self.color),

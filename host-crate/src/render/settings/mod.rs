@@ -2,10 +2,12 @@
 
 pub mod estimation;
 pub mod light_cache;
+pub mod pixel_filter;
 pub mod reconstruction;
 pub mod sampling;
 
 use self::light_cache::LightCacheSettings;
+use self::pixel_filter::PixelFilter;
 use self::reconstruction::FilterKind;
 use self::sampling::Sampling;
 use super::scene::PreparedScene;
@@ -15,6 +17,7 @@ use crate::scene::{FilmSize, Scene};
 use raystream_shaders::integrator::params::{self, PathParams};
 use raystream_shaders::math::random;
 use raystream_shaders::scene::SceneParams;
+use raystream_shaders::scene::abilities::PIXEL_FILTERS;
 use raystream_shaders::scene::environment::{EnvironmentHeader, NO_ENVIRONMENT};
 use raystream_shaders::scene::ray::OFFSET_ROUNDINGS;
 
@@ -34,6 +37,8 @@ pub struct Settings {
     pub roulette_depth: u32,
     /// How path tracers look for light; `lvc` goes by [`LightCacheSettings::techniques`].
     pub techniques: Techniques,
+    /// How light that falls beside a pixel's centre counts.
+    pub pixel_filter: PixelFilter,
     /// How far rays start from surfaces, in roundings of the surface's largest coordinate (2^-24 of
     /// it each): enough that no surface shades itself, and no more, since what is smaller than this
     /// distance casts no shadow.
@@ -106,6 +111,7 @@ impl Settings {
             max_depth: scene.limits.max_depth,
             roulette_depth: scene.limits.roulette_depth,
             techniques: Techniques::default(),
+            pixel_filter: PixelFilter::default(),
             ray_offset: OFFSET_ROUNDINGS,
             sampling: Sampling::default(),
             integrator: IntegratorKind::default(),
@@ -113,6 +119,13 @@ impl Settings {
             denoise: None,
             stream_slots: None,
         }
+    }
+}
+
+impl Settings {
+    /// The abilities that kernels need for them, beside those that a scene asks for.
+    pub fn abilities(&self) -> u32 {
+        if self.pixel_filter.is_pixel() { 0 } else { PIXEL_FILTERS }
     }
 }
 
@@ -134,6 +147,7 @@ impl PreparedScene {
 
     /// What the tracing kernels need to know beside the scene; `threads` is 0.
     pub fn parameters(&self, settings: &Settings) -> PathParams {
+        let filter = settings.pixel_filter.kernels();
         PathParams {
             threads: 0,
             seed: settings.seed,
@@ -151,8 +165,8 @@ impl PreparedScene {
                 environment: self.environment_header(settings),
                 ..self.params
             },
-            pad0: 0,
-            pad1: 0,
+            filter: filter.kind,
+            filter_radius: filter.radius,
         }
     }
 }

@@ -1,7 +1,12 @@
-//! The scene file: JSON, format 1, checked key by key as it is read.
+//! The scene file: JSON, formats 1 and 2, checked key by key as it is read.
 
+use super::camera::FileCamera;
+use super::choice::MaterialChoice;
+use super::environment::FileEnvironment;
+use super::light::FileLight;
 use super::material::FileMaterial;
-use super::values::{AngleOfView, Coordinates, Depth, FilmSide, Object, Place, Radiance};
+use super::transform::FileTransform;
+use super::values::{Coordinates, Depth, FilmSide, Object, Place, Radiance, present};
 use super::wrong_kind;
 use crate::scene::camera::Camera;
 use crate::scene::error::SceneError;
@@ -9,34 +14,170 @@ use crate::scene::film::FilmSize;
 use crate::scene::light::QuadLight;
 use crate::scene::limits::PathLimits;
 use crate::scene::text::plain_text;
-use glam::DVec3;
+use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
 use serde::de::{Error as _, IgnoredAny};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A scene file.
+/// A scene file, of whichever format.
+#[derive(Debug)]
+pub(super) struct SceneFile {
+    pub name: String,
+    film: Film,
+    camera: FileCamera,
+    /// In the order in which they are loaded.
+    pub meshes: Vec<FileMesh>,
+    /// Those that meshes may name.
+    pub materials: BTreeMap<String, FileMaterial>,
+    pub quads: Vec<Quad>,
+    pub lights: Vec<FileLight>,
+    pub environment: Option<FileEnvironment>,
+    pub background: Vec3,
+    integrator: Integrator,
+}
+
+/// An OBJ of a scene file.
+#[derive(Debug)]
+pub(super) struct FileMesh {
+    /// The key that names the file.
+    pub key: String,
+    /// The keys beside it begin so.
+    pub place: String,
+    pub file: String,
+    /// None where it stays as it is.
+    pub transform: Option<DAffine3>,
+    /// What all of it is made of, but for `materials`.
+    pub material: Option<MaterialChoice>,
+    /// What its materials are, by their names in the OBJ.
+    pub materials: BTreeMap<String, MaterialChoice>,
+    pub normals: Normals,
+    pub dedupe: bool,
+}
+
+/// Format 1: one OBJ.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SceneFile {
+struct Format1 {
     #[serde(rename = "format")]
     _format: IgnoredAny,
     #[serde(default, rename = "about")]
     _about: IgnoredAny,
-    pub name: String,
-    pub obj: String,
+    name: String,
+    obj: String,
     film: Object<Film>,
     camera: Object<FileCamera>,
     #[serde(default)]
-    pub normals: Normals,
+    normals: Normals,
     #[serde(default)]
-    pub dedupe: bool,
+    dedupe: bool,
     #[serde(default)]
-    pub materials: BTreeMap<String, Object<FileMaterial>>,
+    materials: BTreeMap<String, Object<FileMaterial>>,
     #[serde(default)]
-    pub quads: Vec<Object<Quad>>,
+    quads: Vec<Object<Quad>>,
     #[serde(default)]
     integrator: Object<Integrator>,
+}
+
+/// Format 2: any number of them, moved and made of what the file says, and all kinds of lights.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Format2 {
+    #[serde(rename = "format")]
+    _format: IgnoredAny,
+    #[serde(default, rename = "$schema")]
+    _schema: IgnoredAny,
+    #[serde(default, rename = "about")]
+    _about: IgnoredAny,
+    name: String,
+    film: Object<Film>,
+    camera: Object<FileCamera>,
+    #[serde(default)]
+    meshes: Vec<Object<MeshKeys>>,
+    #[serde(default)]
+    materials: BTreeMap<String, Object<FileMaterial>>,
+    #[serde(default)]
+    quads: Vec<Object<Quad>>,
+    #[serde(default)]
+    lights: Vec<Object<FileLight>>,
+    #[serde(default, deserialize_with = "present")]
+    environment: Option<Object<FileEnvironment>>,
+    #[serde(default, deserialize_with = "present")]
+    background: Option<Radiance>,
+    #[serde(default)]
+    integrator: Object<Integrator>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeshKeys {
+    file: String,
+    #[serde(default, deserialize_with = "present")]
+    transform: Option<Object<FileTransform>>,
+    #[serde(default, deserialize_with = "present")]
+    material: Option<MaterialChoice>,
+    #[serde(default)]
+    materials: BTreeMap<String, MaterialChoice>,
+    #[serde(default)]
+    normals: Normals,
+    #[serde(default)]
+    dedupe: bool,
+}
+
+impl From<Format1> for SceneFile {
+    fn from(file: Format1) -> Self {
+        let own = |(name, Object(material))| (name, MaterialChoice::Own(Box::new(material)));
+        let mesh = FileMesh {
+            key: "obj".to_owned(),
+            place: String::new(),
+            file: file.obj,
+            transform: None,
+            material: None,
+            materials: file.materials.into_iter().map(own).collect(),
+            normals: file.normals,
+            dedupe: file.dedupe,
+        };
+        Self {
+            name: file.name,
+            film: file.film.0,
+            camera: file.camera.0,
+            meshes: vec![mesh],
+            materials: BTreeMap::new(),
+            quads: file.quads.into_iter().map(|Object(quad)| quad).collect(),
+            lights: Vec::new(),
+            environment: None,
+            background: Vec3::ZERO,
+            integrator: file.integrator.0,
+        }
+    }
+}
+
+impl From<Format2> for SceneFile {
+    fn from(file: Format2) -> Self {
+        let mesh = |(index, Object(mesh)): (usize, Object<MeshKeys>)| FileMesh {
+            key: format!("meshes[{index}].file"),
+            place: format!("meshes[{index}]."),
+            file: mesh.file,
+            transform: mesh.transform.map(|Object(FileTransform(transform))| transform),
+            material: mesh.material,
+            materials: mesh.materials,
+            normals: mesh.normals,
+            dedupe: mesh.dedupe,
+        };
+        let named = |(name, Object(material))| (name, material);
+        Self {
+            name: file.name,
+            film: file.film.0,
+            camera: file.camera.0,
+            meshes: file.meshes.into_iter().enumerate().map(mesh).collect(),
+            materials: file.materials.into_iter().map(named).collect(),
+            quads: file.quads.into_iter().map(|Object(quad)| quad).collect(),
+            lights: file.lights.into_iter().map(|Object(light)| light).collect(),
+            environment: file.environment.map(|Object(environment)| environment),
+            background: file.background.map_or(Vec3::ZERO, |Radiance(radiance)| radiance),
+            integrator: file.integrator.0,
+        }
+    }
 }
 
 impl SceneFile {
@@ -48,28 +189,29 @@ impl SceneFile {
         if let Some(what) = wrong_kind::of(path, json) {
             return Err(wrong(what));
         }
-        // First and alone: a later format has keys that format 1 does not know.
+        // First and alone: each format has keys that others do not know.
         let Version { format } = parse(path, json)?;
-        if format != 1 {
-            return Err(SceneError::Format { path: path.to_owned(), found: format });
+        match format {
+            1 => parse::<Format1>(path, json).map(Self::from),
+            2 => parse::<Format2>(path, json).map(Self::from),
+            found => Err(SceneError::Format { path: path.to_owned(), found }),
         }
-        parse(path, json)
     }
 
     pub(super) fn film(&self) -> FilmSize {
-        FilmSize { width: self.film.0.width.0, height: self.film.0.height.0 }
+        FilmSize { width: self.film.width.0, height: self.film.height.0 }
     }
 
     /// The camera, with `origin` taken off its place; the error says what is then wrong with it.
     pub(super) fn camera(&self, origin: DVec3) -> Result<Camera, String> {
-        let camera = self.camera.0.seen_from(origin)?;
+        let camera = self.camera.seen_from(origin)?;
         camera.check()?;
         Ok(camera)
     }
 
     pub(super) fn limits(&self) -> PathLimits {
-        let Object(integrator) = &self.integrator;
-        PathLimits { max_depth: integrator.max_depth.0, roulette_depth: integrator.rr_depth.0 }
+        let Integrator { max_depth, rr_depth } = &self.integrator;
+        PathLimits { max_depth: max_depth.0, roulette_depth: rr_depth.0 }
     }
 }
 
@@ -139,45 +281,6 @@ pub(super) enum Normals {
     Flat,
     /// The OBJ's vn, interpolated.
     Smooth,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(try_from = "CameraKeys")]
-struct FileCamera(CameraKeys);
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CameraKeys {
-    origin: Place,
-    target: Place,
-    up: Coordinates,
-    fov_y: AngleOfView,
-}
-
-impl TryFrom<CameraKeys> for FileCamera {
-    type Error = &'static str;
-
-    /// Checks the directions as they are where coordinates are small.
-    fn try_from(keys: CameraKeys) -> Result<Self, Self::Error> {
-        let camera = Self(keys);
-        camera.seen_from(camera.0.origin.0)?;
-        Ok(camera)
-    }
-}
-
-impl FileCamera {
-    /// The camera where `origin` is the origin.
-    fn seen_from(&self, origin: DVec3) -> Result<Camera, &'static str> {
-        let Self(keys) = self;
-        let camera = Camera {
-            origin: (keys.origin.0 - origin).as_vec3(),
-            target: (keys.target.0 - origin).as_vec3(),
-            up: keys.up.0.as_vec3(),
-            fov_y: keys.fov_y.0,
-        };
-        camera.check_directions()?;
-        Ok(camera)
-    }
 }
 
 /// A parallelogram that emits on the side of cross(u, v).

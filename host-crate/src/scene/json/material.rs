@@ -1,9 +1,11 @@
 //! The rule that a scene file gives for a material.
 
-use super::values::{AttenuationDistance, Colour, Ior, Radiance, Share};
+use super::values::{
+    AttenuationDistance, Colour, Factor, Ior, Object, Radiance, Share, Slope, present,
+};
 use crate::scene::material::{Attenuation, Material, Opacity, Principled, Reflectance};
 use crate::scene::obj::texture_map::TextureMap;
-use crate::scene::rule::{MaterialRule, TexturedRule};
+use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
 use glam::Vec3;
 use serde::de::{MapAccess, SeqAccess, Visitor, value};
 use serde::{Deserialize, Deserializer};
@@ -59,6 +61,84 @@ struct MaterialKeys {
     alpha: Option<Share>,
     #[serde(default, deserialize_with = "present")]
     alpha_cutoff: Option<Share>,
+    specular: Option<Factor>,
+    #[serde(default, deserialize_with = "present")]
+    textures: Option<Object<TextureKeys>>,
+}
+
+/// The textures of a principled material beside that of its reflectance.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TextureKeys {
+    #[serde(default, deserialize_with = "present")]
+    roughness: Option<Object<ChannelKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    metallic: Option<Object<ChannelKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    normal: Option<Object<NormalKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    emission: Option<Object<FileKeys>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChannelKeys {
+    file: PathBuf,
+    channel: TextureChannel,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum TextureChannel {
+    Red,
+    Green,
+    Blue,
+    Alpha,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NormalKeys {
+    file: PathBuf,
+    #[serde(default, deserialize_with = "present")]
+    scale: Option<Slope>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileKeys {
+    file: PathBuf,
+}
+
+/// The key within a material that names the file of a texture.
+pub(super) fn key_of(slot: Slot) -> &'static str {
+    match slot {
+        Slot::Colour => "reflectance.texture",
+        Slot::Roughness(_) => "textures.roughness.file",
+        Slot::Metallic(_) => "textures.metallic.file",
+        Slot::Normal(_) => "textures.normal.file",
+        Slot::Emission => "textures.emission.file",
+    }
+}
+
+impl TextureKeys {
+    fn slots(self) -> impl Iterator<Item = (Slot, PathBuf)> {
+        let channel = |slot: fn(u32) -> Slot| {
+            move |Object(ChannelKeys { file, channel })| (slot(channel as u32), file)
+        };
+        let normal = self.normal.map(|Object(NormalKeys { file, scale })| {
+            (Slot::Normal(scale.map_or(1.0, |Slope(scale)| scale)), file)
+        });
+        let emission = self.emission.map(|Object(FileKeys { file })| (Slot::Emission, file));
+        [
+            self.roughness.map(channel(Slot::Roughness)),
+            self.metallic.map(channel(Slot::Metallic)),
+            normal,
+            emission,
+        ]
+        .into_iter()
+        .flatten()
+    }
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -72,29 +152,26 @@ enum MaterialKind {
     Null,
 }
 
-/// An optional key; unlike serde's own `Option`, null does not stand for its absence.
-fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
-    deserializer: D,
-) -> Result<Option<T>, D::Error> {
-    T::deserialize(deserializer).map(Some)
-}
-
 impl TryFrom<MaterialKeys> for FileMaterial {
     type Error = String;
 
     fn try_from(keys: MaterialKeys) -> Result<Self, String> {
         let white = Colour(Vec3::ONE);
         let plain = |material| Ok(Self(MaterialRule::Plain(material)));
-        let textured = |material, path| {
+        let textured = |material, slots: Vec<(Slot, PathBuf)>| {
+            let textures = slots.into_iter().map(|(slot, file)| (slot, 0, file)).collect();
             let map = TextureMap::default();
-            Ok(Self(MaterialRule::Textured(TexturedRule { material, path, map, otherwise: None })))
+            let rule = TexturedRule { material, textures, map, otherwise: None };
+            Ok(Self(MaterialRule::Textured(rule)))
         };
         match keys.kind {
             MaterialKind::Diffuse => {
                 keys.refuse("a diffuse", &["radiance", "ior", "transmittance"])?;
                 match needed("a diffuse", "reflectance", keys.reflectance)? {
                     Albedo::Colour(Colour(colour)) => plain(Material::diffuse(colour)),
-                    Albedo::Texture(path) => textured(Material::diffuse(Vec3::ONE), path),
+                    Albedo::Texture(path) => {
+                        textured(Material::diffuse(Vec3::ONE), vec![(Slot::Colour, path)])
+                    }
                 }
             }
             MaterialKind::Mirror => {
@@ -120,13 +197,17 @@ impl TryFrom<MaterialKeys> for FileMaterial {
             }
             MaterialKind::Principled => {
                 keys.refuse("a principled", &["transmittance"])?;
-                let (material, reflectance) = keys.principled()?;
-                match needed("a principled", "reflectance", reflectance)? {
+                let (material, reflectance, mut slots) = keys.principled()?;
+                let material = match needed("a principled", "reflectance", reflectance)? {
                     Albedo::Colour(Colour(colour)) => {
-                        plain(material.with_reflectance(Reflectance::Colour(colour)))
+                        material.with_reflectance(Reflectance::Colour(colour))
                     }
-                    Albedo::Texture(path) => textured(material, path),
-                }
+                    Albedo::Texture(path) => {
+                        slots.insert(0, (Slot::Colour, path));
+                        material
+                    }
+                };
+                if slots.is_empty() { plain(material) } else { textured(material, slots) }
             }
             MaterialKind::Null => {
                 let all = ["reflectance", "radiance", "ior", "transmittance"];
@@ -137,17 +218,27 @@ impl TryFrom<MaterialKeys> for FileMaterial {
     }
 }
 
+/// A principled material but for its reflectance, that, and its other textures.
+type Made = (Material, Option<Albedo>, Vec<(Slot, PathBuf)>);
+
 impl MaterialKeys {
-    /// A principled material but for its reflectance, and that.
-    fn principled(self) -> Result<(Material, Option<Albedo>), String> {
+    /// A principled material but for its reflectance, that, and its other textures. A texture
+    /// multiplies a number, which is then 1 unless the file says otherwise.
+    fn principled(self) -> Result<Made, String> {
+        let slots: Vec<_> =
+            self.textures.map(|Object(textures)| textures.slots().collect()).unwrap_or_default();
+        let has = |wanted: fn(&Slot) -> bool| slots.iter().any(|(slot, _)| wanted(slot));
+        let roughness = if has(|slot| matches!(slot, Slot::Roughness(_))) { 1.0 } else { 0.5 };
+        let metallic = if has(|slot| matches!(slot, Slot::Metallic(_))) { 1.0 } else { 0.0 };
+        let emission = if has(|slot| *slot == Slot::Emission) { Vec3::ONE } else { Vec3::ZERO };
         let share = |key: Option<Share>, default| key.map_or(default, |Share(share)| share);
-        let plain = Principled::paint(Vec3::ONE, share(self.roughness, 0.5));
+        let plain = Principled::paint(Vec3::ONE, share(self.roughness, roughness));
+        let emission = self.radiance.map_or(emission, |Radiance(radiance)| radiance);
         let opacity = match (self.alpha, self.alpha_cutoff) {
             (None, None) => Opacity::Opaque,
             (Some(Share(alpha)), None) => Opacity::Blend { alpha },
             (alpha, Some(Share(cutoff))) => Opacity::Mask { alpha: share(alpha, 1.0), cutoff },
         };
-        let emission = self.radiance.map_or(plain.emission, |Radiance(radiance)| radiance);
         if opacity != Opacity::Opaque && emission != Vec3::ZERO {
             let what = "what has a `radiance` is opaque: leave out `alpha` and `alpha_cutoff`";
             return Err(what.to_owned());
@@ -161,7 +252,7 @@ impl MaterialKeys {
         };
         let material = Principled {
             attenuation,
-            metallic: share(self.metallic, plain.metallic),
+            metallic: share(self.metallic, metallic),
             transmission: share(self.transmission, plain.transmission),
             thin_walled: self.thin_walled.unwrap_or(plain.thin_walled),
             ior: self.ior.map_or(plain.ior, |Ior(ior)| ior),
@@ -169,11 +260,12 @@ impl MaterialKeys {
             coat_roughness: share(self.coat_roughness, plain.coat_roughness),
             sheen: self.sheen.map_or(plain.sheen, |Colour(colour)| colour),
             sheen_roughness: share(self.sheen_roughness, plain.sheen_roughness),
+            specular: self.specular.map_or(plain.specular, |Factor(factor)| factor),
             opacity,
             emission,
             ..plain
         };
-        Ok((Material::Principled(material), self.reflectance))
+        Ok((Material::Principled(material), self.reflectance, slots))
     }
 
     /// The keys that are given and that principled materials alone have.
@@ -189,6 +281,8 @@ impl MaterialKeys {
             ("coat_roughness", self.coat_roughness.is_some()),
             ("sheen", self.sheen.is_some()),
             ("sheen_roughness", self.sheen_roughness.is_some()),
+            ("specular", self.specular.is_some()),
+            ("textures", self.textures.is_some()),
             ("alpha", self.alpha.is_some()),
             ("alpha_cutoff", self.alpha_cutoff.is_some()),
         ];

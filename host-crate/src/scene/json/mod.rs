@@ -1,88 +1,125 @@
-//! Scene files of format 1: JSON that names an OBJ, and says what its materials are, what lights it
-//! and where it is seen from.
+//! Scene files: JSON that names OBJs, and says where they are, what their materials are, what lights
+//! them and where they are seen from. Format 1 has one OBJ, format 2 any number.
 
-mod clean;
+mod camera;
+mod choice;
 mod defects;
+mod environment;
 mod format;
 mod libraries;
+mod light;
 mod material;
 mod names;
 mod parts;
 mod remarks;
+mod transform;
 mod values;
 mod wrong_kind;
 
-use self::format::{Normals, SceneFile};
+use self::choice::MaterialChoice;
+use self::format::{FileMesh, Normals, SceneFile};
 use self::names::Names;
 use self::parts::Parts;
-use self::values::Object;
 use super::bounds;
 use super::description::{DARK, Scene};
 use super::error::SceneError;
-use super::obj::{Obj, Part};
+use super::gltf;
+use super::obj::{Obj, Placement};
 use super::options::LoadOptions;
+use super::picture::Pictures;
+use super::ply;
 use super::recentre::origin_of;
-use super::source::Source;
+use super::source::{SceneBytes, Source};
 use glam::DVec3;
 use serde::de::Error as _;
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The text of a scene file.
-#[derive(Clone, Copy)]
-pub(super) struct SceneText<'a> {
-    /// What the file is called in messages.
-    pub path: &'a Path,
-    /// The folder that its paths start from.
-    pub folder: &'a Path,
-    pub text: &'a [u8],
-}
-
-/// Loads a scene file of format 1 whose files are in `source`.
-pub(super) fn load_from(
+/// Loads a scene from its scene file.
+pub(super) fn load(
     source: &dyn Source,
-    path: &Path,
+    SceneBytes { path, folder, bytes }: SceneBytes<'_>,
     options: LoadOptions,
 ) -> Result<Scene, SceneError> {
-    let text = &source.read(path, options.text_bytes())?;
-    let folder = if is_descriptor(path) { Path::new("") } else { parent(path) };
-    load_text(source, SceneText { path, folder, text }, options)
-}
-
-/// Whether a path is one of the program's open files: beside `/dev/stdin` there are no files.
-fn is_descriptor(path: &Path) -> bool {
-    let of_process = path.starts_with("/proc") && parent(path).ends_with("fd");
-    path == Path::new("/dev/stdin") || path.starts_with("/dev/fd") || of_process
-}
-
-/// Loads a scene from the text of its scene file.
-pub(super) fn load_text(
-    source: &dyn Source,
-    SceneText { path, folder, text }: SceneText<'_>,
-    options: LoadOptions,
-) -> Result<Scene, SceneError> {
-    let file = SceneFile::parse(path, text)?;
+    let file = SceneFile::parse(path, bytes)?;
     let names = Names { source, scene: path, folder };
-    let obj_path = names.find("obj", &file.obj, &[folder])?;
-    let obj_text = source.read(&obj_path, options.obj_bytes())?;
-    let smooth = file.normals == Normals::Smooth;
-    let obj = Obj::parse(&obj_path, &obj_text, smooth, options.max_memory)?;
-    check_overrides(path, &file, &obj)?;
+    // They share the memory alike.
+    let memory = options.max_memory / file.meshes.len().max(1) as u64;
+    let mut meshes = Vec::with_capacity(file.meshes.len());
+    for rules in &file.meshes {
+        meshes.push(LoadedObj::read(rules, &names, options, memory)?);
+    }
+    for LoadedObj { rules, obj, .. } in &meshes {
+        check_overrides(path, rules, obj)?;
+    }
 
-    let origin = origin_of(obj.parts.iter().map(Part::positions));
+    let placed = meshes.iter().flat_map(|mesh| {
+        let placement = mesh.rules.placement(DVec3::ZERO);
+        mesh.obj.parts.iter().map(move |part| placement.positions(part))
+    });
+    let origin = origin_of(placed);
     let camera = file.camera(origin).map_err(|what| wrong_key(path, "camera", &what))?;
     let mut scene = Scene::new(camera, file.film());
     scene.name = file.name.clone();
     scene.limits = file.limits();
-    let mut parts = Parts::new(&file, names, (&obj_path, &obj_text), origin, options);
-    parts.read_libraries(&obj, &mut scene)?;
-    for part in &obj.parts {
-        parts.add(part, &mut scene)?;
+    scene.background = file.background;
+    let mut pictures = Pictures::new(options);
+    for LoadedObj { rules, path, text, obj } in &meshes {
+        let files = (path.as_path(), text.as_slice());
+        let mut parts = Parts::new(&file, rules, names, files, origin, options, pictures);
+        parts.read_libraries(obj, &mut scene)?;
+        for part in &obj.parts {
+            parts.add(part, &mut scene)?;
+        }
+        pictures = parts.finish(obj, &mut scene);
     }
-    parts.finish(&obj, &mut scene);
+    scene.textures = pictures.textures;
     add_quads(path, &file, origin, &mut scene)?;
+    add_lights(path, &file, origin, &mut scene)?;
+    if let Some(environment) = &file.environment {
+        environment.light(&names, options, &mut scene)?;
+    }
+    warn_of_unused_materials(path, &file, &mut scene);
     warn_of_the_whole(path, origin, &mut scene);
     Ok(scene)
+}
+
+/// An OBJ that has been read.
+struct LoadedObj<'a> {
+    rules: &'a FileMesh,
+    path: PathBuf,
+    text: Vec<u8>,
+    obj: Obj,
+}
+
+impl<'a> LoadedObj<'a> {
+    fn read(
+        rules: &'a FileMesh,
+        names: &Names<'_>,
+        options: LoadOptions,
+        memory: u64,
+    ) -> Result<Self, SceneError> {
+        let path = names.find(&rules.key, &rules.file, &[names.folder])?;
+        let text = names.source.read(&path, options.geometry_bytes())?;
+        if gltf::is_binary(&text) {
+            let what = "is a glTF, which is a scene by itself: a mesh is an OBJ or a PLY";
+            return Err(wrong_key(names.scene, &rules.key, what));
+        }
+        let smooth = rules.normals == Normals::Smooth;
+        let obj = if ply::is_ply(&text) {
+            ply::parse(&path, &text, smooth, memory)?
+        } else {
+            Obj::parse(&path, &text, smooth, memory)?
+        };
+        Ok(Self { rules, path, text, obj })
+    }
+}
+
+impl FileMesh {
+    /// Where its vertices go, with `origin` taken off.
+    fn placement(&self, origin: DVec3) -> Placement {
+        Placement { transform: self.transform, origin }
+    }
 }
 
 fn add_quads(
@@ -91,7 +128,7 @@ fn add_quads(
     origin: DVec3,
     scene: &mut Scene,
 ) -> Result<(), SceneError> {
-    for (index, Object(quad)) in file.quads.iter().enumerate() {
+    for (index, quad) in file.quads.iter().enumerate() {
         let light = quad.light(origin);
         if let Err(what) = bounds::coordinates(&light.corner.to_array()) {
             return Err(wrong_key(path, &format!("quads[{index}].corner"), &what));
@@ -103,6 +140,37 @@ fn add_quads(
         scene.add_quad_light(light);
     }
     Ok(())
+}
+
+fn add_lights(
+    path: &Path,
+    file: &SceneFile,
+    origin: DVec3,
+    scene: &mut Scene,
+) -> Result<(), SceneError> {
+    for (index, light) in file.lights.iter().enumerate() {
+        let light = light.seen_from(origin);
+        let light = light.map_err(|what| wrong_key(path, &format!("lights[{index}]"), &what))?;
+        scene.add_punctual_light(light);
+    }
+    Ok(())
+}
+
+/// Says which of the file's materials no mesh is made of.
+fn warn_of_unused_materials(path: &Path, file: &SceneFile, scene: &mut Scene) {
+    let choices = file.meshes.iter().flat_map(|mesh| mesh.materials.values().chain(&mesh.material));
+    let used: HashSet<&str> = choices
+        .filter_map(|choice| match choice {
+            MaterialChoice::Named(name) => Some(name.as_str()),
+            MaterialChoice::Own(_) => None,
+        })
+        .collect();
+    let unused: Vec<String> =
+        file.materials.keys().filter(|name| !used.contains(name.as_str())).cloned().collect();
+    if !unused.is_empty() {
+        let (path, unused) = (path.display(), super::error::list(&unused));
+        scene.warnings.push(format!("{path}: no mesh names these materials: {unused}."));
+    }
 }
 
 /// Says what the user should know of the scene as a whole.
@@ -129,35 +197,17 @@ fn wrong_key(path: &Path, key: &str, what: &str) -> SceneError {
     }
 }
 
-fn parent(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new(""))
-}
-
-fn check_overrides(path: &Path, file: &SceneFile, obj: &Obj) -> Result<(), SceneError> {
+fn check_overrides(path: &Path, rules: &FileMesh, obj: &Obj) -> Result<(), SceneError> {
     let mut used: Vec<_> = obj.parts.iter().map(|part| part.material.to_string()).collect();
     // A material may have several parts.
     let mut seen = HashSet::new();
     used.retain(|name| seen.insert(name.clone()));
     let names: Vec<_> =
-        file.materials.keys().filter(|name| !seen.contains(*name)).cloned().collect();
+        rules.materials.keys().filter(|name| !seen.contains(*name)).cloned().collect();
     if names.is_empty() {
         Ok(())
     } else {
-        Err(SceneError::UnknownMaterials { path: path.to_owned(), names, used })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_open_files_have_no_folder() {
-        for path in ["/dev/stdin", "/dev/fd/63", "/proc/self/fd/0"] {
-            assert!(is_descriptor(Path::new(path)), "{path}");
-        }
-        for path in ["/dev/shm/scene.json", "/proc/scene.json", "stdin", "fd/0"] {
-            assert!(!is_descriptor(Path::new(path)), "{path}");
-        }
+        let key = format!("{}materials", rules.place);
+        Err(SceneError::UnknownMaterials { path: path.to_owned(), key, names, used })
     }
 }

@@ -1,7 +1,8 @@
 //! Finds the files that a scene file names.
 
+use super::material::key_of;
 use crate::scene::error::SceneError;
-use crate::scene::rule::{MaterialRule, TexturedRule};
+use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
 use crate::scene::source::{Source, environment, expand, portable};
 use std::path::{Path, PathBuf};
 
@@ -40,17 +41,21 @@ impl Names<'_> {
         })
     }
 
-    /// The rule of `material`, its texture (if any) found beside the OBJ or the scene file.
-    pub(super) fn with_found_texture(
+    /// The rule of the material that stands behind `key`, its textures (if any) found beside the
+    /// OBJ or the scene file.
+    pub(super) fn with_found_textures(
         &self,
-        material: &str,
+        key: &str,
         rule: &MaterialRule,
         obj_folder: &Path,
     ) -> Result<MaterialRule, SceneError> {
         let MaterialRule::Textured(textured) = rule else { return Ok(rule.clone()) };
-        let key = format!("materials.{material}.reflectance.texture");
-        let text = textured.path.to_string_lossy();
-        let path = self.find(&key, &text, &[obj_folder, self.folder])?;
-        Ok(MaterialRule::Textured(TexturedRule { path, ..textured.clone() }))
+        let find = |(slot, line, file): &(Slot, usize, PathBuf)| {
+            let key = format!("{key}.{}", key_of(*slot));
+            let path = self.find(&key, &file.to_string_lossy(), &[obj_folder, self.folder])?;
+            Ok((*slot, *line, path))
+        };
+        let textures = textured.textures.iter().map(find).collect::<Result<_, SceneError>>()?;
+        Ok(MaterialRule::Textured(TexturedRule { textures, ..textured.clone() }))
     }
 }

@@ -1,22 +1,23 @@
 //! Meshes and materials of an OBJ's parts.
 
-use super::clean::Cleaner;
+use super::choice::MaterialChoice;
 use super::defects;
-use super::format::{Normals, SceneFile};
+use super::format::{FileMesh, Normals, SceneFile};
 use super::libraries;
 use super::material::FileMaterial;
 use super::names::Names;
-use super::values::Object;
 use crate::scene::bounds::MAX_COORDINATE;
+use crate::scene::clean::Cleaner;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
-use crate::scene::material::{Material, MaterialId, Reflectance};
+use crate::scene::material::{Material, MaterialId};
 use crate::scene::obj::mtl::{self, Describer, Library};
 use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::obj::{Obj, Part};
 use crate::scene::options::LoadOptions;
 use crate::scene::picture::Pictures;
-use crate::scene::rule::{MaterialRule, TexturedRule};
+use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
+use crate::scene::source::parent;
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
 use crate::scene::texture::TextureId;
@@ -27,6 +28,7 @@ use std::path::Path;
 /// What it takes to make meshes of an OBJ's parts, and what is found on the way.
 pub(super) struct Parts<'a> {
     file: &'a SceneFile,
+    rules: &'a FileMesh,
     names: Names<'a>,
     obj_path: &'a Path,
     obj_text: &'a [u8],
@@ -52,12 +54,12 @@ enum Surface {
     Textured(Box<Textured>),
 }
 
-/// A material with a texture.
-#[derive(Clone, Copy)]
+/// A material with textures.
+#[derive(Clone)]
 struct Textured {
-    /// What it is but for its colour.
+    /// What it is without them.
     material: Material,
-    texture: TextureId,
+    textures: Vec<(Slot, TextureId)>,
     map: TextureMap,
     /// Of triangles with texture coordinates, and of those without.
     materials: [Option<MaterialId>; 2],
@@ -66,21 +68,24 @@ struct Textured {
 impl<'a> Parts<'a> {
     pub(super) fn new(
         file: &'a SceneFile,
+        rules: &'a FileMesh,
         names: Names<'a>,
         (obj_path, obj_text): (&'a Path, &'a [u8]),
         origin: DVec3,
         options: LoadOptions,
+        pictures: Pictures,
     ) -> Self {
         Self {
             file,
+            rules,
             names,
             obj_path,
             obj_text,
             origin,
             options,
             library: Library::default(),
-            pictures: Pictures::new(options),
-            cleaner: Cleaner::new(file.dedupe),
+            pictures,
+            cleaner: Cleaner::new(rules.dedupe),
             summary: Summary::default(),
             surfaces: HashMap::new(),
             undescribed: Vec::new(),
@@ -125,11 +130,19 @@ impl<'a> Parts<'a> {
         if let Some(line) = v.or(vt.filter(|_| map.is_some())).or(vn) {
             return Err(Obj::unusable(self.obj_path, self.obj_text, line));
         }
-        let is_near = |place: DVec3| (place - self.origin).abs().max_element() <= MAX_COORDINATE;
-        if !part.positions().all(is_near) {
-            return Err(Obj::too_far(self.obj_path, self.obj_text, self.origin));
+        let is_near = |place: DVec3| place.abs().max_element() <= MAX_COORDINATE;
+        let placement = self.rules.placement(self.origin);
+        if !placement.positions(part).all(is_near) {
+            return Err(match self.rules.transform {
+                None => Obj::too_far(self.obj_path, self.obj_text, self.origin),
+                Some(_) => {
+                    let key = format!("{}transform", self.rules.place);
+                    let what = "moves the mesh too far from the rest of the scene";
+                    super::wrong_key(self.names.scene, &key, what)
+                }
+            });
         }
-        let mut mesh = part.mesh(material, self.origin, map.as_ref());
+        let mut mesh = part.mesh(material, &placement, map.as_ref());
         self.cleaner.clean(&mut mesh);
         scene.add_mesh(mesh);
         Ok(())
@@ -142,17 +155,20 @@ impl<'a> Parts<'a> {
         part: &Part,
         scene: &mut Scene,
     ) -> MaterialId {
-        let Textured { material, texture, materials: [with, without], .. } = textured;
+        let Textured { material, textures, materials: [with, without], .. } = textured;
         if part.has_texture_coordinates {
-            let material = material.with_reflectance(Reflectance::Texture(*texture));
+            let add = |material, &(slot, texture): &(Slot, TextureId)| slot.with(material, texture);
+            let material = textures.iter().fold(*material, add);
             return *with.get_or_insert_with(|| scene.add_material(material));
         }
         let faces = if part.faces == 1 { "face" } else { "faces" };
         let (line, thing) = (part.first_line, format!("{} {faces}", part.faces));
         let name = part.material.to_string();
         self.summary.note(self.obj_path, line, Fate::MeanOfTexture, &thing, &name);
-        let mean = self.pictures.textures[texture.0 as usize].mean();
-        let material = material.with_reflectance(Reflectance::Colour(mean));
+        let add = |material, &(slot, texture): &(Slot, TextureId)| {
+            slot.with_mean(material, &self.pictures.textures[texture.0 as usize])
+        };
+        let material = textures.iter().fold(*material, add);
         *without.get_or_insert_with(|| scene.add_material(material))
     }
 
@@ -166,10 +182,27 @@ impl<'a> Parts<'a> {
     }
 
     fn rule(&mut self, name: &Name) -> Result<MaterialRule, SceneError> {
-        let obj_folder = super::parent(self.obj_path);
+        let obj_folder = parent(self.obj_path);
         let shown = name.to_string();
-        if let Some(Object(FileMaterial(rule))) = self.file.materials.get(&shown) {
-            return self.names.with_found_texture(&shown, rule, obj_folder);
+        let place = &self.rules.place;
+        let own = self.rules.materials.get(&shown);
+        let own = own.map(|choice| (format!("{place}materials.{shown}"), choice));
+        let of_mesh =
+            || self.rules.material.as_ref().map(|choice| (format!("{place}material"), choice));
+        if let Some((key, choice)) = own.or_else(of_mesh) {
+            let (key, FileMaterial(rule)) = match choice {
+                MaterialChoice::Own(material) => (key, &**material),
+                MaterialChoice::Named(name) => {
+                    let Some(material) = self.file.materials.get(name) else {
+                        let names: Vec<_> = self.file.materials.keys().cloned().collect();
+                        let known = crate::scene::error::list(&names);
+                        let what = format!("there is no material `{name}`; there are: {known}");
+                        return Err(super::wrong_key(self.names.scene, &key, &what));
+                    };
+                    (format!("materials.{name}"), material)
+                }
+            };
+            return self.names.with_found_textures(&key, rule, obj_folder);
         }
         let describer = Describer { library: &self.library, source: self.names.source, obj_folder };
         match describer.describe(name, &mut self.summary) {
@@ -181,40 +214,43 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// A material with a texture; where an MTL names what cannot be read, its colour.
+    /// A material with textures; where an MTL names what cannot be read, what it says besides.
     fn textured(
         &mut self,
         name: &Name,
         rule: &TexturedRule,
         scene: &mut Scene,
     ) -> Result<Surface, SceneError> {
-        let (path, line) = match &rule.otherwise {
-            Some(otherwise) => (otherwise.mtl.as_path(), otherwise.line),
-            None => (self.names.scene, 0),
-        };
         let name = name.to_string();
-        match (self.pictures.load(self.names.source, &rule.path), &rule.otherwise) {
-            (Ok(texture), _) => {
-                if self.pictures.has_alpha(texture) && !rule.material.has_holes() {
-                    let thing = format!("alpha of {}", rule.path.display());
-                    self.summary.note(path, line, Fate::Opaque, &thing, &name);
+        let mut material = rule.material;
+        let mut textures = Vec::new();
+        for (slot, line, path) in &rule.textures {
+            let file = rule.otherwise.as_ref().map_or(self.names.scene, |o| o.mtl.as_path());
+            match (self.pictures.load(self.names.source, path), &rule.otherwise) {
+                (Ok(texture), _) => {
+                    let is_colour = *slot == Slot::Colour && !material.has_holes();
+                    if is_colour && self.pictures.has_alpha(texture) {
+                        let thing = format!("alpha of {}", path.display());
+                        self.summary.note(file, *line, Fate::Opaque, &thing, &name);
+                    }
+                    textures.push((*slot, texture));
                 }
-                Ok(Surface::Textured(Box::new(Textured {
-                    material: rule.material,
-                    texture,
-                    map: rule.map,
-                    materials: [None; 2],
-                })))
+                (Err(error), Some(otherwise)) => {
+                    let fate = match slot {
+                        Slot::Emission => Fate::UnreadableEmission,
+                        _ => Fate::UnreadableTexture,
+                    };
+                    self.summary.note(file, *line, fate, &error.to_string(), &name);
+                    material = slot.without(material, otherwise);
+                }
+                (Err(error), None) => return Err(error),
             }
-            (Err(error), Some(otherwise)) => {
-                let thing = error.to_string();
-                self.summary.note(path, line, Fate::UnreadableTexture, &thing, &name);
-                let colour = Reflectance::Colour(otherwise.reflectance);
-                let material = rule.material.with_reflectance(colour);
-                Ok(Surface::Plain(scene.add_material(material)))
-            }
-            (Err(error), None) => Err(error),
         }
+        if textures.is_empty() {
+            return Ok(Surface::Plain(scene.add_material(material)));
+        }
+        let (map, materials) = (rule.map, [None; 2]);
+        Ok(Surface::Textured(Box::new(Textured { material, textures, map, materials })))
     }
 
     /// What the picture will show of the geometry that is not so.
@@ -247,8 +283,8 @@ impl<'a> Parts<'a> {
         glass.into_iter().chain(coarse).collect()
     }
 
-    /// Hands over the textures, and says what the user should know of the parts as a whole.
-    pub(super) fn finish(self, obj: &Obj, scene: &mut Scene) {
+    /// Says what the user should know of the parts as a whole, and hands back the pictures.
+    pub(super) fn finish(self, obj: &Obj, scene: &mut Scene) -> Pictures {
         let path = self.obj_path.display();
         let warnings = &mut scene.warnings;
         if !self.undescribed.is_empty() {
@@ -257,7 +293,7 @@ impl<'a> Parts<'a> {
                 "{path}: no MTL describes {materials}: diffuse grey of 0.5 is used."
             ));
         }
-        let is_smooth = self.file.normals == Normals::Smooth;
+        let is_smooth = self.rules.normals == Normals::Smooth;
         warnings.extend(super::remarks::of(obj, is_smooth).map(|what| format!("{path}: {what}.")));
         let Cleaner { degenerate, duplicates, .. } = self.cleaner;
         if degenerate > 0 {
@@ -270,6 +306,6 @@ impl<'a> Parts<'a> {
         }
         scene.warnings.extend(self.defects(scene));
         self.summary.finish(scene);
-        scene.textures = self.pictures.textures;
+        self.pictures
     }
 }

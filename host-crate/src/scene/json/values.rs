@@ -31,6 +31,13 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
     }
 }
 
+/// An optional key; unlike serde's own `Option`, null does not stand for its absence.
+pub(super) fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(deserializer).map(Some)
+}
+
 /// Types of values that are read as one type, the second, and kept as another, the first, by a
 /// function that checks them.
 macro_rules! checked {
@@ -66,6 +73,24 @@ checked! {
     Radiance(Vec3) = |v: Vec<f64>| bounds::radiance(&v), of Vec<f64> as "Vec<f64>";
     /// An index of refraction.
     Ior(f32) = bounds::ior, of f64 as "f64";
+    /// A distance or a width in world units, above 0.
+    Distance(f32) = bounds::distance, of f64 as "f64";
+    /// Radius of an aperture in world units.
+    LensRadius(f32) = bounds::lens_radius, of f64 as "f64";
+    /// Corners of an aperture.
+    Blades(u32) = bounds::blades, of i64 as "i64";
+    /// An angle in degrees from an axis, from 0 to 180.
+    Angle(f32) = bounds::angle, of f64 as "f64";
+    /// A rotation in degrees.
+    Rotation(f32) = bounds::rotation, of f64 as "f64";
+    /// What radiances are multiplied by.
+    Strength(f32) = bounds::strength, of f64 as "f64";
+    /// The diameter of a light at infinity, in degrees.
+    AngularDiameter(f32) = bounds::angular_diameter, of f64 as "f64";
+    /// What a share of light is multiplied by: linear Rec.709, no component negative.
+    Factor(Vec3) = |v: Vec<f64>| bounds::factor(&v), of Vec<f64> as "Vec<f64>";
+    /// What slopes are multiplied by.
+    Slope(f32) = bounds::scale, of f64 as "f64";
     /// An angle of view in degrees.
     AngleOfView(f32) = bounds::angle_of_view, of f64 as "f64";
     /// A width or height in pixels.

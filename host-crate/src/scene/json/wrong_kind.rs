@@ -3,13 +3,14 @@
 use crate::scene::text::{Lines, split_keyword};
 use std::path::Path;
 
-const REMEDY: &str = "a scene is a JSON file that names an OBJ, see docs/GUIDE.md";
+const REMEDY: &str =
+    "a scene is a glTF, a PLY, or a JSON file that names an OBJ, see docs/GUIDE.md";
 
 /// Kinds of files by the ends of their names.
 const BY_ENDING: [(&[&str], &str); 6] = [
     (&["mtl"], "an MTL"),
-    (&["gltf", "glb", "fbx", "dae", "blend", "3ds", "max", "usd", "usda", "usdc", "usdz"], ""),
-    (&["ply", "stl", "off", "pbrt", "xml", "abc", "x3d"], ""),
+    (&["fbx", "dae", "blend", "3ds", "max", "usd", "usda", "usdc", "usdz"], ""),
+    (&["stl", "off", "pbrt", "xml", "abc", "x3d"], ""),
     (
         &["png", "jpg", "jpeg", "exr", "hdr", "bmp", "tga", "tif", "tiff", "gif", "webp"],
         "a picture",
@@ -62,7 +63,7 @@ mod tests {
         assert!(said("a.json", "hello").unwrap().starts_with("is not JSON"));
         assert!(said("a.obj", "# x").unwrap().starts_with("is an OBJ, not a scene"));
         assert!(said("a.txt", "# x\n\nmtllib a.mtl").unwrap().starts_with("is an OBJ"));
-        assert!(said("a.gltf", "{}").unwrap().contains("another format (gltf)"));
+        assert!(said("a.fbx", "{}").unwrap().contains("another format (fbx)"));
         assert!(said("a.PNG", "\u{89}PNG").unwrap().starts_with("is a picture"));
         assert!(said("a.json", " ").unwrap().starts_with("is empty"));
     }

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 
 /// The material of faces that come before any `usemtl`.
-pub(super) const NO_MATERIAL: &[u8] = b"(none)";
+pub(in crate::scene) const NO_MATERIAL: &[u8] = b"(none)";
 /// Faces of lines longer than this are counted before they are read.
 const LONG: usize = 1 << 16;
 /// At most this many kinds of lines that are not read are told apart.

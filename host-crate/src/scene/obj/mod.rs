@@ -10,7 +10,8 @@ mod problem;
 pub(super) mod texture_map;
 mod vertices;
 
-pub(super) use part::Part;
+pub(super) use faces::NO_MATERIAL;
+pub(super) use part::{Part, Placement};
 
 use self::faces::{FaceGroup, Faces};
 use self::pieces::Pieces;
@@ -138,12 +139,14 @@ mod tests {
         Obj::parse(Path::new("test.obj"), text.as_bytes(), true, 1 << 20).unwrap()
     }
 
+    const AT_ORIGIN: Placement = Placement { transform: None, origin: DVec3::ZERO };
+
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
     #[test]
     fn polygons_become_triangles() {
         let obj = parse(&format!("{SQUARE}v -1 .5 0\nf 1 2 3 4 5\nf 1 2 3\nf 1 2 3 4\n"));
-        let mesh = obj.parts[0].mesh(MaterialId(0), DVec3::ZERO, None);
+        let mesh = obj.parts[0].mesh(MaterialId(0), &AT_ORIGIN, None);
         let fans = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 1, 2], [0, 1, 2], [0, 2, 3]];
         assert_eq!(mesh.triangles, fans);
     }
@@ -174,7 +177,7 @@ mod tests {
         );
         let map = texture_map::TextureMap { scale: DVec2::new(2.0, 1.0), offset: DVec2::X };
         let of = |map| {
-            let mesh = parse(&text).parts[0].mesh(MaterialId(0), DVec3::ZERO, Some(&map));
+            let mesh = parse(&text).parts[0].mesh(MaterialId(0), &AT_ORIGIN, Some(&map));
             mesh.texture_coordinates.unwrap()
         };
         let corners = |corners: [(f32, f32); 3]| corners.map(|(u, v)| Vec2::new(u, v));
@@ -188,7 +191,8 @@ mod tests {
     #[test]
     fn positions_keep_their_digits_until_the_origin_is_taken_off() {
         let text = "v 5411780.125 0 0\nv 5411780.25 0 0\nv 5411780.125 1 0\nf 1 2 3\n";
-        let mesh = parse(text).parts[0].mesh(MaterialId(0), DVec3::X * 5_411_780.0, None);
+        let far = Placement { origin: DVec3::X * 5_411_780.0, ..AT_ORIGIN };
+        let mesh = parse(text).parts[0].mesh(MaterialId(0), &far, None);
         assert_eq!(mesh.positions.iter().map(|p| p.x).collect::<Vec<_>>(), [0.125, 0.25, 0.125]);
     }
 }

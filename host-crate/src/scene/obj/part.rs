@@ -6,7 +6,7 @@ use crate::scene::bounds::MAX_COORDINATE;
 use crate::scene::material::MaterialId;
 use crate::scene::mesh::Mesh;
 use crate::scene::text::Name;
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
 /// All faces of one material that have the same of texture coordinates and normals.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ pub(in crate::scene) struct Part {
     /// of normals.
     pub dangling: [(usize, usize); 2],
     /// Positions, texture coordinates and normals, each with indices.
-    pub(super) mesh: tobj::Mesh,
+    pub(in crate::scene) mesh: tobj::Mesh,
 }
 
 impl Part {
@@ -37,24 +37,30 @@ impl Part {
         self.mesh.positions.chunks_exact(3).map(DVec3::from_slice)
     }
 
-    /// Its triangles, with `origin` taken off their positions, with its normals if there are any,
-    /// and with the texture coordinates that `map` makes of its own, if wanted.
+    /// Its triangles where `placement` has them, with its normals if there are any, and with the
+    /// texture coordinates that `map` makes of its own, if wanted.
     pub(in crate::scene) fn mesh(
         &self,
         material: MaterialId,
-        origin: DVec3,
+        placement: &Placement,
         map: Option<&TextureMap>,
     ) -> Mesh {
-        let triangles = self.triangles();
+        let mut triangles = self.triangles();
+        if placement.mirrors() {
+            // Their fronts stay outside.
+            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
         let tobj::Mesh { indices, normal_indices, texcoord_indices, .. } = &self.mesh;
-        let normal =
-            |corner: usize| unit(&self.mesh.normals[3 * normal_indices[corner] as usize..]);
+        let turned = placement.of_normals();
+        let normal = |corner: usize| {
+            unit(&self.mesh.normals[3 * normal_indices[corner] as usize..], &turned)
+        };
         let uv = |corner: usize| {
             DVec2::from_slice(&self.mesh.texcoords[2 * texcoord_indices[corner] as usize..])
         };
         Mesh {
             material,
-            positions: self.positions().map(|position| (position - origin).as_vec3()).collect(),
+            positions: placement.positions(self).map(DVec3::as_vec3).collect(),
             triangles: triangles.iter().map(|corners| corners.map(|at| indices[at])).collect(),
             normals: self
                 .has_normals
@@ -90,9 +96,43 @@ impl Part {
     }
 }
 
-/// The unit vector; zero stays zero.
-fn unit(normal: &[f64]) -> Vec3 {
-    DVec3::from_slice(normal).normalize_or_zero().as_vec3()
+/// Where the vertices of an OBJ go.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::scene) struct Placement {
+    /// How they are moved first, by what can be undone; none where they stay.
+    pub transform: Option<DAffine3>,
+    /// What is then taken off.
+    pub origin: DVec3,
+}
+
+impl Placement {
+    /// The positions of a part.
+    pub(in crate::scene) fn positions(
+        self,
+        part: &Part,
+    ) -> impl ExactSizeIterator<Item = DVec3> + use<'_> {
+        part.positions().map(move |position| {
+            let moved = self.transform.map_or(position, |t| t.transform_point3(position));
+            moved - self.origin
+        })
+    }
+
+    /// Whether left becomes right.
+    fn mirrors(&self) -> bool {
+        self.transform.is_some_and(|transform| transform.matrix3.determinant() < 0.0)
+    }
+
+    /// What normals are multiplied by, if by anything.
+    fn of_normals(&self) -> Option<DMat3> {
+        self.transform.map(|transform| transform.matrix3.inverse().transpose())
+    }
+}
+
+/// The unit vector, turned; zero stays zero.
+fn unit(normal: &[f64], turned: &Option<DMat3>) -> Vec3 {
+    let normal = DVec3::from_slice(normal).normalize_or_zero();
+    let turned = turned.map_or(normal, |turned| (turned * normal).normalize_or_zero());
+    turned.as_vec3()
 }
 
 /// Textures repeat: whole numbers taken off all corners of a triangle change nothing but how many

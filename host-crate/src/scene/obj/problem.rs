@@ -29,7 +29,9 @@ impl BadLine {
         let (path, line) = (path.to_owned(), self.line);
         match self.what {
             Problem::Malformed(what) => SceneError::Obj { path, line, what },
-            Problem::TooLarge(limit) => SceneError::TooLarge { path, line, limit },
+            Problem::TooLarge(limit) => {
+                SceneError::TooLarge { path, place: format!("line {line}"), limit }
+            }
         }
     }
 }

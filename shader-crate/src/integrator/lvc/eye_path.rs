@@ -68,11 +68,12 @@ impl<A: Abilities> EyeTracer<'_, A> {
     /// The contribution of one slot.
     fn trace(&self, slot: Slot) -> Contribution {
         let numbers = self.params.path.numbers(slot);
-        let ray = self.params.path.camera_ray(slot, &numbers);
+        let (render, abilities) = (&self.params.path, self.scene.abilities());
+        let ray = render.camera_ray(abilities, slot, &numbers);
         let mut path = EyePath {
             ray,
             throughput: Vec3::ONE,
-            subpath: Subpath::from_camera(self.params.path.camera.pdf(ray.direction)),
+            subpath: Subpath::from_camera(render.camera.pdf(abilities, ray.direction)),
             connects: true,
             radiance: Vec3::ZERO,
             rays: 0,
@@ -100,9 +101,12 @@ impl<A: Abilities> EyeTracer<'_, A> {
         let incoming = path.ray.direction;
         let arriving = cosine(surface.point.normal, incoming);
         path.throughput *= surface.transmittance(hit.t);
-        path.subpath = path.subpath.arrive(hit.t, arriving);
+        // Parallel rays do not spread.
+        let is_parallel = depth == 1 && render.camera.is_orthographic(self.scene.abilities());
+        let distance = if is_parallel { 1.0 } else { hit.t };
+        path.subpath = path.subpath.arrive(distance, arriving);
         if surface.emits() {
-            let light_pdf = self.scene.lights.area_pdf(surface.emission);
+            let light_pdf = self.scene.lights.area_pdf(surface.light_importance());
             let weight = emission_weight(&self.samples, &path.subpath, depth, light_pdf, arriving);
             path.radiance += path.throughput * surface.emission * weight;
         }
@@ -167,13 +171,13 @@ impl<A: Abilities> EyeTracer<'_, A> {
         let light = &event.light;
         let cosine_here = cosine(surface.point.normal, light.direction);
         let join = if light.is_distant {
-            let disc_area = self.scene.lights.environment.disc_area();
-            Join::to_environment(cosine_here, event.bsdf_pdf, disc_area)
+            Join::to_infinity(cosine_here, event.bsdf_pdf, light.disc_area)
         } else {
             let distance2 = light.distance * light.distance;
-            let emission_pdf = lambert(light.cosine);
+            let emission_pdf = light.emission_pdf;
             Join::new(distance2, cosine_here, event.bsdf_pdf, light.cosine, emission_pdf)
         };
+        let join = if light.is_delta { join.to_delta_light() } else { join };
         let back = surface.bsdf.pdf_back(incoming, light.direction);
         let norm = path.subpath.norm(without, back);
         let weight = light_weight(&self.samples, &join, norm, light.area_pdf);

@@ -13,10 +13,11 @@ use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, hash, of_ve
 use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::Scatter;
 use crate::scene::SceneView;
-use crate::scene::abilities::Abilities;
+use crate::scene::abilities::{Abilities, PUNCTUAL};
 use crate::scene::bsdf::BsdfSample;
 use crate::scene::environment::{EnvironmentSample, EnvironmentView};
-use crate::scene::light::LightView;
+use crate::scene::light::punctual::LightRay;
+use crate::scene::light::{Light, LightView};
 use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
 use core::f32::consts::{FRAC_1_PI, PI};
@@ -84,7 +85,7 @@ struct LightPath {
     /// Whether the vertex before may be connected with what eye paths meet: those on a light and
     /// on what is diffuse.
     connects: bool,
-    /// Whether the segment is the first of a path from the environment.
+    /// Whether the segment is the first of a path from a light at infinity.
     is_from_infinity: bool,
 }
 
@@ -99,6 +100,12 @@ impl LightPath {
         if lights.is_environment(index) {
             return Self::from_environment(samples, &lights.environment, numbers);
         }
+        if lights.abilities.has(PUNCTUAL) {
+            let light = lights.light(index);
+            if lights.is_punctual(&light) {
+                return Self::from_punctual(&light, numbers);
+            }
+        }
         let light = lights.point_on(index, numbers.pair(of_vertex(0, LIGHT_POINT)));
         let direction = sample_cosine_hemisphere(light.normal, numbers.pair(of_vertex(0, BSDF)));
         let point = light.point(lights.offset_roundings);
@@ -111,6 +118,20 @@ impl LightPath {
                 .emit(cosine(light.normal, direction), samples.emission),
             connects: true,
             is_from_infinity: false,
+        }
+    }
+
+    fn from_punctual(light: &Light, numbers: &RandomNumbers) -> Self {
+        let (to, place) =
+            (numbers.pair(of_vertex(0, LIGHT_POINT)), numbers.pair(of_vertex(0, BSDF)));
+        let LightRay { ray, flux, is_distant, extent } = light.emit(to, place);
+        Self {
+            ray,
+            flux,
+            throughput: Vec3::ONE,
+            subpath: Subpath::from_delta_light(extent),
+            connects: true,
+            is_from_infinity: is_distant,
         }
     }
 

@@ -34,12 +34,16 @@
 //! Light tracing is `s = K`, the camera's vertex alone from its side. Its `b_K` is that of the
 //! pinhole, which all techniques share, so it cancels; `b_(K-1)` follows from the density of the
 //! camera's ray within the pixel (see [`Camera::pdf`](crate::scene::camera::Camera::pdf)). It is
-//! left out for `K = 1`: a lamp seen directly is what eye paths find without noise.
+//! left out for `K = 1`: a lamp seen directly is what eye paths find without noise. A point on a lens
+//! is chosen alike by all techniques and cancels as well. Parallel rays have a density per area from
+//! the start, in which the squared distance is 1.
 //!
 //! A vertex `x_0` on the environment is a direction, and densities there are per solid angle. Light
 //! from there reaches `x_1` through a disc of area `A` across its direction, so `f_1` is `c_1 / A`,
 //! and `b_0` is the density of the direction as such: in the formulas above the squared distance is
-//! 1, `c_0` is 1, and the density with which light would choose the way to `x_1` is `1 / A`.
+//! 1, `c_0` is 1, and the density with which light would choose the way to `x_1` is `1 / A`. Light
+//! from one direction is the same, and neither that nor a point of light has a technique `s = 0`:
+//! `f_0`, a probability, cancels.
 
 use crate::glam::Vec3;
 use crate::math::power_heuristic;
@@ -140,6 +144,12 @@ impl Subpath {
         Self { adjacent: disc_area, earlier: disc_area * (samples / pdf) }
     }
 
+    /// A light that no path from the camera can run into, after a ray has been chosen whose density
+    /// is 1 over `extent`: per solid angle, or from infinity per area, as over a distance of 1.
+    pub fn from_delta_light(extent: f32) -> Self {
+        Self { adjacent: extent, earlier: 0.0 }
+    }
+
     /// After a direction under this `cosine` has been chosen on the light with Lambert's density;
     /// `samples` are those of [`TechniqueSamples::emission`].
     pub fn emit(self, cosine: f32, samples: f32) -> Self {
@@ -234,11 +244,16 @@ pub struct Join {
 }
 
 impl Join {
-    /// From a surface to the environment in a direction with this cosine to its triangle's normal,
-    /// which the path from the camera would choose with the density `eye_pdf` per solid angle;
+    /// From a surface to infinity in a direction with this cosine to its triangle's normal, which
+    /// the path from the camera would choose with the density `eye_pdf` per solid angle;
     /// `disc_area` is that of the scene seen from there.
-    pub fn to_environment(eye_cosine: f32, eye_pdf: f32, disc_area: f32) -> Self {
+    pub fn to_infinity(eye_cosine: f32, eye_pdf: f32, disc_area: f32) -> Self {
         Self { to_light: eye_pdf, to_eye: eye_cosine / disc_area }
+    }
+
+    /// The same to a light that no path from the camera can run into.
+    pub fn to_delta_light(self) -> Self {
+        Self { to_light: 0.0, ..self }
     }
 
     /// Between two surfaces at this squared distance, with the cosines to their triangles' normals

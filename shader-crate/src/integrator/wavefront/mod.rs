@@ -122,7 +122,7 @@ pub fn trace_queue(
         if slot.rank == NO_PIXEL {
             return;
         }
-        params.path.camera_ray(slot, &params.path.numbers(slot))
+        params.path.camera_ray(scene.abilities(), slot, &params.path.numbers(slot))
     };
     pool.set_hit(rows, lane, &scene.closest_hit(&ray));
 }
@@ -157,7 +157,7 @@ pub fn shade_queue(
     let mut path = if survives {
         pool.path(rows, at(kept, lane))
     } else {
-        Path::begin(&params.path, slot, &numbers)
+        Path::begin(&params.path, scene.abilities(), slot, &numbers)
     };
     let bounce = path.shade(&params.path, scene, &numbers, &pool.hit(rows, lane));
     pool.set_light(rows, lane, number, &bounce.light, bounce.goes_on);
@@ -231,7 +231,7 @@ pub fn finish_queue(
         let mut path = if survives {
             pool.path(rows, at(kept, lane))
         } else {
-            Path::begin(&params.path, slot, &numbers)
+            Path::begin(&params.path, scene.abilities(), slot, &numbers)
         };
         survives = false;
         while path.extend(&params.path, scene, &numbers) {}

@@ -57,14 +57,14 @@ device_struct! {
         pub alpha: f32,
         /// The least opacity of what is no hole, in [0, 1].
         pub cutoff: f32,
+        /// The texture that multiplies the emission, or [`NO_TEXTURE`].
+        pub emission_map: u32,
         /// Unused; zero.
         pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
         /// What the body behind the front takes of light, linear Rec.709, by world unit.
         pub absorption: Vec3,
         /// Unused; zero.
-        pub pad2: u32,
+        pub pad1: u32,
     }
 }
 
@@ -91,10 +91,10 @@ impl Layers {
         flags: 0,
         alpha: 1.0,
         cutoff: 0.0,
+        emission_map: NO_TEXTURE,
         pad0: 0,
-        pad1: 0,
         absorption: Vec3::ZERO,
-        pad2: 0,
+        pad1: 0,
     };
 
     /// Unpacks the seven rows, which are the struct's memory.
@@ -118,10 +118,10 @@ impl Layers {
             flags: rows[4].w,
             alpha: f32::from_bits(rows[5].x),
             cutoff: f32::from_bits(rows[5].y),
-            pad0: rows[5].z,
-            pad1: rows[5].w,
+            emission_map: rows[5].z,
+            pad0: rows[5].w,
             absorption: vector(rows[6]),
-            pad2: rows[6].w,
+            pad1: rows[6].w,
         }
     }
 

@@ -1,9 +1,10 @@
 //! The principled material: paint, metal and rough glass in one record.
 //!
 //! A mixture, by `metallic` and `transmission`, of three: a metal, a diffuse base under a smooth or
-//! rough dielectric surface, and the rough boundary of a dielectric; all under a [cover]. It is what
-//! glTF 2.0 calls metallic-roughness with `KHR_materials_ior`, `KHR_materials_transmission`,
-//! `KHR_materials_clearcoat` and `KHR_materials_sheen`, and a part of OpenPBR.
+//! rough dielectric surface, and the rough boundary of a dielectric; all under a
+//! [cover](super::cover). It is what glTF 2.0 calls metallic-roughness with `KHR_materials_ior`,
+//! `KHR_materials_transmission`, `KHR_materials_clearcoat` and `KHR_materials_sheen`, and a part of
+//! OpenPBR.
 //!
 //! Its lobes are
 //!
@@ -12,7 +13,7 @@
 //!   both ways, and what light has been reflected by several microfacets. Both are those of Kulla
 //!   and Conty, "Revisiting Physically Based Shading at Imageworks", 2017: nothing is lost, and
 //!   both directions are worth the same;
-//! - *boundary*: reflection and refraction by a microfacet of a [boundary];
+//! - *boundary*: reflection and refraction by a microfacet of a [boundary](super::boundary);
 //! - *below*: what several microfacets of the boundary let pass, which follows the cosine on the
 //!   far side.
 

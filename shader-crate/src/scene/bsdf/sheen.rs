@@ -30,8 +30,8 @@ pub fn roughness_at(place: f32) -> f32 {
 /// The density with which its directions are sampled, all alike.
 pub const PDF: f32 = 1.0 / TAU;
 
-/// BSDF times cosine of white sheen of a `roughness` in [0, 1], before it is scaled; `o` and `i` lie
-/// above the surface.
+/// BSDF times cosine of white sheen of a `roughness` in [0, 1], before it is scaled; `o` and `i`
+/// lie above the surface.
 pub fn value(roughness: f32, o: Vec3, i: Vec3) -> f32 {
     let roughness = roughness.max(SMOOTHEST);
     let sharpness = 1.0 / (roughness * roughness);

@@ -1,19 +1,35 @@
-//! Lights, chosen by power: emissive triangles, and the environment.
+//! Lights, chosen by power: emissive triangles, points, directions and the environment.
+
+pub mod punctual;
 
 use crate::glam::{UVec4, Vec3};
 use crate::math::random::unit_float;
 use crate::math::wide::{Wide, multiply};
 use crate::memory::device_struct;
-use crate::memory::rows::{five_rows, float, vector};
-use crate::scene::abilities::{Abilities, ENVIRONMENT};
+use crate::memory::rows::{five_rows, float, two_rows, vector};
+use crate::scene::abilities::{Abilities, EMISSION_MAPS, ENVIRONMENT, PUNCTUAL};
 use crate::scene::bvh::planes::Plane;
 use crate::scene::environment::{EnvironmentSample, EnvironmentView};
 use crate::scene::ray::SurfacePoint;
+use crate::scene::texture::TextureView;
+use core::f32::consts::FRAC_1_PI;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
+/// [`Light::kind`]: an emissive triangle of one radiance.
+pub const TRIANGLE: u32 = 0;
+/// [`Light::kind`]: a point, see [`punctual`].
+pub const POINT: u32 = 1;
+/// [`Light::kind`]: a direction, see [`punctual`].
+pub const DIRECTION: u32 = 2;
+/// [`Light::kind`]: from here on an emissive triangle whose [`EmissionMap`] has as its number what
+/// the kind is above this.
+pub const MAPPED: u32 = 3;
+
 device_struct! {
-    /// One emissive triangle, and one column of the alias table that chooses among them. 80 bytes.
+    /// One emissive triangle, and one column of the alias table that chooses among lights. 80 bytes.
+    ///
+    /// What the fields mean of other lights, [`punctual`] says.
     pub struct Light {
         /// First corner, in world units.
         pub corner: Vec3,
@@ -29,10 +45,10 @@ device_struct! {
         /// Density of a point of this light, choice included, per area in world units: see
         /// [`area_pdf`].
         pub pdf: f32,
-        /// Radiance of the front, linear Rec.709.
+        /// Radiance of the front, linear Rec.709; where it has a map, what that is multiplied by.
         pub radiance: Vec3,
-        /// Unused; zero.
-        pub pad: u32,
+        /// [`TRIANGLE`], [`POINT`], [`DIRECTION`], or from [`MAPPED`] on.
+        pub kind: u32,
         /// Unit normal of the front.
         pub normal: Vec3,
         /// `normal . x` of the points `x` of its plane, in world units.
@@ -54,10 +70,52 @@ impl Light {
             edge2: vector(rows[2]),
             pdf: float(rows[2]),
             radiance: vector(rows[3]),
-            pad: rows[3].w,
+            kind: rows[3].w,
             normal: vector(rows[4]),
             offset: float(rows[4]),
         }
+    }
+}
+
+device_struct! {
+    /// What an emissive triangle with a texture emits. 32 bytes.
+    pub struct EmissionMap {
+        /// Texture coordinates of the first corner.
+        pub uv0: [f32; 2],
+        /// Texture coordinates of the second corner.
+        pub uv1: [f32; 2],
+        /// Texture coordinates of the third corner.
+        pub uv2: [f32; 2],
+        /// The texture that the radiance is multiplied by.
+        pub texture: u32,
+        /// Unused; zero.
+        pub pad: u32,
+    }
+}
+
+impl EmissionMap {
+    /// Rows of one.
+    pub const ROWS: u32 = 2;
+
+    /// Unpacks the two rows, which are the struct's memory.
+    pub fn from_rows(rows: [UVec4; 2]) -> Self {
+        let [a, b] = rows;
+        Self {
+            uv0: [f32::from_bits(a.x), f32::from_bits(a.y)],
+            uv1: [f32::from_bits(a.z), f32::from_bits(a.w)],
+            uv2: [f32::from_bits(b.x), f32::from_bits(b.y)],
+            texture: b.z,
+            pad: b.w,
+        }
+    }
+
+    /// What the texture says at the point that has the barycentric coordinates `a` of the second
+    /// corner and `b` of the third.
+    fn sample(&self, textures: &TextureView<'_>, a: f32, b: f32) -> Vec3 {
+        let first = 1.0 - a - b;
+        let u = self.uv0[0] * first + self.uv1[0] * a + self.uv2[0] * b;
+        let v = self.uv0[1] * first + self.uv1[1] * a + self.uv2[1] * b;
+        textures.sample(self.texture, u, v)
     }
 }
 
@@ -66,12 +124,12 @@ pub fn importance(radiance: Vec3) -> f32 {
     (radiance.x + radiance.y + radiance.z) * (1.0 / 3.0)
 }
 
-/// Density per area of choosing a point on a triangle of this `radiance`, when the choice is by
+/// Density per area of choosing a point on a triangle of this [`importance`], when the choice is by
 /// power: importance times area over `total_importance` (the sum of that over all lights), times
 /// one over the area. The area cancels, so a path that finds a light knows the density from the
-/// material alone.
-pub fn area_pdf(radiance: Vec3, total_importance: f32) -> f32 {
-    importance(radiance) / total_importance
+/// material alone, or from the triangle where a texture says what it emits.
+pub fn area_pdf(importance: f32, total_importance: f32) -> f32 {
+    importance / total_importance
 }
 
 /// A point on a light.
@@ -113,8 +171,14 @@ pub struct LightSample {
     /// Density of the light's point per area in world units, choice included; at infinity [`pdf`](
     /// Self::pdf), per solid angle.
     pub area_pdf: f32,
-    /// Cosine between the direction back and the light's normal; 1 at infinity.
+    /// Cosine between the direction back and the light's normal; 1 for what has none.
     pub cosine: f32,
+    /// Density per solid angle with which a light path leaves the light for the point; 0 at
+    /// infinity.
+    pub emission_pdf: f32,
+    /// Of a light at infinity: area of the disc through which a light path from there starts, in
+    /// squared world units; else 0.
+    pub disc_area: f32,
     /// Where a ray that tests the visibility ends: off the light's surface, or behind all others.
     pub end: Vec3,
 }
@@ -128,12 +192,16 @@ pub struct LightView<'a, A> {
     pub first: u32,
     /// How many there are, the environment included, which is the last.
     pub count: u32,
+    /// Row of the first [`EmissionMap`].
+    pub first_map: u32,
     /// See [`crate::scene::SceneParams::total_importance`].
     pub total_importance: f32,
     /// See [`crate::scene::SceneParams::offset_roundings`].
     pub offset_roundings: f32,
     /// The environment, if there is one.
     pub environment: EnvironmentView<'a>,
+    /// The textures.
+    pub textures: TextureView<'a>,
     /// What the scene uses.
     pub abilities: A,
 }
@@ -150,13 +218,19 @@ impl<A: Abilities> LightView<'_, A> {
         self.abilities.has(ENVIRONMENT) && self.environment.is_some()
     }
 
-    /// Whether the light number `index` is the environment, not a triangle.
+    /// Whether a light that is not the environment has no surface.
+    #[inline(always)]
+    pub fn is_punctual(&self, light: &Light) -> bool {
+        self.abilities.has(PUNCTUAL) && (light.kind == POINT || light.kind == DIRECTION)
+    }
+
+    /// Whether the light number `index` is the environment.
     #[inline(always)]
     pub fn is_environment(&self, index: u32) -> bool {
         self.has_environment() && index + 1 == self.count
     }
 
-    /// The light number `index`, a triangle or what chooses the environment.
+    /// The light number `index`, or what chooses the environment.
     pub fn light(&self, index: u32) -> Light {
         Light::from_rows(five_rows(self.rows, self.first + index * Light::ROWS))
     }
@@ -188,9 +262,20 @@ impl<A: Abilities> LightView<'_, A> {
         LightPoint {
             position: Plane { normal, offset }.nearest_point(position),
             normal,
-            radiance: light.radiance,
+            radiance: self.radiance_at(&light, a, b),
             pdf: light.pdf,
         }
+    }
+
+    /// Radiance of a triangle at the point of these barycentric coordinates.
+    #[inline(always)]
+    fn radiance_at(&self, light: &Light, a: f32, b: f32) -> Vec3 {
+        if self.abilities.has(EMISSION_MAPS) && light.kind >= MAPPED {
+            let row = self.first_map + (light.kind - MAPPED) * EmissionMap::ROWS;
+            let map = EmissionMap::from_rows(two_rows(self.rows, row));
+            return light.radiance * map.sample(&self.textures, a, b);
+        }
+        light.radiance
     }
 
     /// A light for the point `from`, by 32 random bits for the `choice` of the light and 64 for the
@@ -199,10 +284,16 @@ impl<A: Abilities> LightView<'_, A> {
     pub fn sample(&self, from: &SurfacePoint, choice: u32, point: [u32; 2]) -> LightSample {
         let index = self.choose(choice);
         if self.is_environment(index) {
-            self.sample_environment(from, point)
-        } else {
-            self.sample_triangle(from, index, [unit_float(point[0]), unit_float(point[1])])
+            return self.sample_environment(from, point);
         }
+        let u = [unit_float(point[0]), unit_float(point[1])];
+        if self.abilities.has(PUNCTUAL) {
+            let light = self.light(index);
+            if self.is_punctual(&light) {
+                return light.sample_punctual(from, u);
+            }
+        }
+        self.sample_triangle(from, index, u)
     }
 
     fn sample_environment(&self, from: &SurfacePoint, point: [u32; 2]) -> LightSample {
@@ -216,6 +307,8 @@ impl<A: Abilities> LightView<'_, A> {
             is_delta: false,
             area_pdf: pdf,
             cosine: 1.0,
+            emission_pdf: 0.0,
+            disc_area: self.environment.disc_area(),
             end: self.environment.far_end(from.position, direction),
         }
     }
@@ -227,7 +320,11 @@ impl<A: Abilities> LightView<'_, A> {
         let distance2 = offset.length_squared();
         let direction = offset.normalize();
         let cosine = -direction.dot(light.normal);
-        let shines = cosine > 0.0 && distance2 > 0.0;
+        let mut shines = cosine > 0.0 && distance2 > 0.0;
+        if self.abilities.has(EMISSION_MAPS) {
+            // A texture may be black here.
+            shines = shines && light.radiance.max_element() > 0.0;
+        }
         let end = light.point(self.offset_roundings).end_towards(light.normal, from.position);
         LightSample {
             direction,
@@ -238,18 +335,20 @@ impl<A: Abilities> LightView<'_, A> {
             is_delta: false,
             area_pdf: light.pdf,
             cosine,
+            emission_pdf: cosine * FRAC_1_PI,
+            disc_area: 0.0,
             end,
         }
     }
 
-    /// The density per area of a point on a light of this `emission`.
-    pub fn area_pdf(&self, emission: Vec3) -> f32 {
-        area_pdf(emission, self.total_importance)
+    /// The density per area of a point on a triangle of this [`importance`].
+    pub fn area_pdf(&self, importance: f32) -> f32 {
+        area_pdf(importance, self.total_importance)
     }
 
     /// The density per solid angle with which [`Self::sample`] picks the direction to a triangle of
-    /// this `emission` that was hit at `distance`, under this `cosine` to its normal.
-    pub fn pdf_of_hit(&self, emission: Vec3, distance: f32, cosine: f32) -> f32 {
-        self.area_pdf(emission) * distance * distance / cosine
+    /// this [`importance`] that was hit at `distance`, under this `cosine` to its normal.
+    pub fn pdf_of_hit(&self, importance: f32, distance: f32, cosine: f32) -> f32 {
+        self.area_pdf(importance) * distance * distance / cosine
     }
 }

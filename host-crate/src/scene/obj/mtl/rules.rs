@@ -5,12 +5,13 @@ use super::map::MapStatement;
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Principled, Reflectance};
-use crate::scene::rule::{MaterialRule, Otherwise, TexturedRule};
+use crate::scene::obj::texture_map::TextureMap;
+use crate::scene::rule::{MaterialRule, Otherwise, Slot, TexturedRule};
 use crate::scene::source::{Found, Source, find_foreign};
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
 use glam::Vec3;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What a material is that no MTL describes: grey.
 pub(in crate::scene) const DEFAULT: MaterialRule = MaterialRule::Plain(Material::Diffuse {
@@ -23,6 +24,8 @@ const DEFAULT_ROUGHNESS: f64 = 0.5;
 /// Which exponent of a highlight stands for a mirror: the largest of the specification.
 pub(super) const SHARPEST: f64 = 1000.0;
 const MIRROR_MODELS: [i64; 2] = [3, 5];
+/// Keys of textures of emission; the first that there is counts.
+pub(super) const EMISSION_MAPS: [&str; 2] = ["map_ke", "map_emissive"];
 pub(super) const GLASS_MODELS: [i64; 4] = [4, 6, 7, 9];
 
 /// What kind of surface a material is.
@@ -34,6 +37,32 @@ pub(super) enum Surface {
     /// By the keys of physically based materials.
     Principled,
     Paint,
+}
+
+impl Surface {
+    /// Whether a texture may say what it emits.
+    pub(super) fn may_glow(self) -> bool {
+        !matches!(self, Self::Mirror | Self::Glass)
+    }
+}
+
+/// A texture that an MTL names.
+#[derive(Clone)]
+struct TextureFile {
+    path: PathBuf,
+    /// The line that names it.
+    line: usize,
+    map: TextureMap,
+}
+
+/// The material with an emission for a texture to multiply: white, where it has none.
+fn glowing(material: Material) -> Material {
+    match material {
+        Material::Principled(principled) if principled.emission == Vec3::ZERO => {
+            Material::Principled(Principled { emission: Vec3::ONE, ..principled })
+        }
+        material => material,
+    }
 }
 
 /// Says what materials are, and notes what of them is left out.
@@ -59,46 +88,88 @@ impl Describer<'_> {
         let surface = entry.surface()?;
         entry.note_what_has_no_effect(surface, summary);
         let kd = || entry.reflectance("kd", DEFAULT_REFLECTANCE);
+        let glow = if surface.may_glow() { self.glow(entry, summary) } else { None };
         let material = match surface {
-            Surface::Principled => {
-                let principled = Material::Principled(entry.principled()?);
-                if let Some(rule) = self.texture(entry, principled, summary) {
-                    return Ok(MaterialRule::Textured(rule));
-                }
-                principled.with_reflectance(Reflectance::Colour(kd()?))
-            }
+            Surface::Principled => Material::Principled(entry.principled()?),
+            // Paint that shines without a highlight.
+            Surface::Lamp | Surface::Paint if glow.is_some() => Material::Principled(Principled {
+                specular: Vec3::ZERO,
+                emission: entry.radiance("ke")?,
+                ..Principled::paint(DEFAULT_REFLECTANCE, 1.0)
+            }),
             Surface::Lamp => {
-                Material::Emissive { radiance: entry.radiance("ke")?, reflectance: kd()? }
+                if let Some(lost) = entry.keys.get("map_kd").filter(|_| entry.glows(surface)) {
+                    // The texture of its emission, beside which it would have counted, is not there.
+                    let (name, thing) = (entry.name.to_string(), lost.key.escape_default());
+                    let thing = thing.to_string();
+                    summary.note(&entry.path, lost.line, Fate::WithoutEffect, &thing, &name);
+                }
+                let (radiance, reflectance) = (entry.radiance("ke")?, kd()?);
+                return Ok(MaterialRule::Plain(Material::Emissive { radiance, reflectance }));
             }
-            Surface::Mirror => Material::mirror(entry.reflectance("ks", Vec3::ZERO)?),
+            Surface::Mirror => {
+                let reflectance = entry.reflectance("ks", Vec3::ZERO)?;
+                return Ok(MaterialRule::Plain(Material::mirror(reflectance)));
+            }
             Surface::Glass => {
                 let ior = entry.number("ni")?.unwrap_or(DEFAULT_IOR);
-                Material::glass(bounds::ior(ior).map_err(|what| entry.error("ni", what))?)
+                let ior = bounds::ior(ior).map_err(|what| entry.error("ni", what))?;
+                return Ok(MaterialRule::Plain(Material::glass(ior)));
             }
-            Surface::Paint => {
-                let paint = Material::diffuse(DEFAULT_REFLECTANCE);
-                if let Some(rule) = self.texture(entry, paint, summary) {
-                    return Ok(MaterialRule::Textured(rule));
-                }
-                Material::diffuse(kd()?)
-            }
+            Surface::Paint => Material::diffuse(DEFAULT_REFLECTANCE),
         };
-        Ok(MaterialRule::Plain(material))
+        let colour = self.colour(entry, summary);
+        let otherwise = Otherwise {
+            mtl: entry.path.clone(),
+            reflectance: kd().unwrap_or(DEFAULT_REFLECTANCE),
+            emission: material.radiance(),
+        };
+        let material = match colour {
+            Some(_) => material,
+            None => material.with_reflectance(Reflectance::Colour(kd()?)),
+        };
+        let material = if glow.is_some() { glowing(material) } else { material };
+        let found = [(Slot::Colour, colour), (Slot::Emission, glow)];
+        let found: Vec<_> =
+            found.into_iter().filter_map(|(slot, found)| Some((slot, found?))).collect();
+        let Some(&(_, TextureFile { map, .. })) = found.first() else {
+            return Ok(MaterialRule::Plain(material));
+        };
+        for (_, other) in found.iter().filter(|(_, other)| other.map != map) {
+            let name = entry.name.to_string();
+            let thing = format!("place of {}", other.path.display());
+            summary.note(&entry.path, other.line, Fate::WithoutEffect, &thing, &name);
+        }
+        let textures = found.into_iter().map(|(slot, file)| (slot, file.line, file.path)).collect();
+        let otherwise = Some(otherwise);
+        Ok(MaterialRule::Textured(TexturedRule { material, textures, map, otherwise }))
     }
 
-    /// The rule of a `material` whose colour is a texture, if the entry names one that is there.
+    /// The texture of the colour, if the entry names one that is there.
+    fn colour(&self, entry: &Entry, summary: &mut Summary) -> Option<TextureFile> {
+        self.texture(entry, "map_kd", Fate::MissingTexture, summary)
+    }
+
+    /// The texture of the emission, if the entry names one that is there.
+    fn glow(&self, entry: &Entry, summary: &mut Summary) -> Option<TextureFile> {
+        let key = EMISSION_MAPS.into_iter().find(|key| entry.keys.contains_key(*key))?;
+        self.texture(entry, key, Fate::MissingEmission, summary)
+    }
+
+    /// The texture behind a key; if it is not there, that is its `fate`.
     fn texture(
         &self,
         entry: &Entry,
-        material: Material,
+        key: &str,
+        fate: Fate,
         summary: &mut Summary,
-    ) -> Option<TexturedRule> {
-        let value = entry.keys.get("map_kd")?;
+    ) -> Option<TextureFile> {
+        let value = entry.keys.get(key)?;
         let mut note = |fate, thing: &str| {
             summary.note(&entry.path, value.line, fate, thing, &entry.name.to_string());
         };
         let Some((statement, found)) = self.find_texture(entry, &value.text) else {
-            note(Fate::MissingTexture, &Name::new(&value.text).to_string());
+            note(fate, &Name::new(&value.text).to_string());
             return None;
         };
         for option in &statement.without_effect {
@@ -107,17 +178,7 @@ impl Describer<'_> {
         if found.by_its_end {
             note(Fate::FoundByEnd, &Name::new(statement.file).to_string());
         }
-        let reflectance = entry.reflectance("kd", DEFAULT_REFLECTANCE);
-        Some(TexturedRule {
-            material,
-            path: found.path,
-            map: statement.map,
-            otherwise: Some(Otherwise {
-                mtl: entry.path.clone(),
-                line: value.line,
-                reflectance: reflectance.unwrap_or(DEFAULT_REFLECTANCE),
-            }),
-        })
+        Some(TextureFile { path: found.path, line: value.line, map: statement.map })
     }
 
     /// The file that the value of a `map_` key names. Beside the MTL comes before beside the OBJ,
@@ -167,6 +228,11 @@ impl Entry {
         } else {
             Surface::Paint
         })
+    }
+
+    /// Whether a texture says what it emits.
+    pub(super) fn glows(&self, surface: Surface) -> bool {
+        surface.may_glow() && EMISSION_MAPS.iter().any(|key| self.keys.contains_key(*key))
     }
 
     /// Whether it has the keys of a physically based material: a roughness, or some metal.

@@ -1,7 +1,7 @@
 //! What an MTL says of a material and the picture does not show.
 
 use super::library::{Entry, Value};
-use super::rules::{GLASS_MODELS, SHARPEST, Surface};
+use super::rules::{EMISSION_MAPS, GLASS_MODELS, SHARPEST, Surface};
 use crate::scene::summary::{Fate, Summary};
 
 /// Keys of shares and strengths: 0 is as if they were not there.
@@ -10,7 +10,6 @@ const SHARES: [&str; 7] = ["ks", "pm", "ps", "pc", "pcr", "aniso", "anisor"];
 const OF_PRINCIPLED: [&str; 10] =
     ["kd", "map_kd", "ks", "ns", "pm", "pr", "ps", "pc", "pcr", "illum"];
 const OPACITY_MAPS: [&str; 4] = ["map_d", "map_tr", "map_opacity", "map_alpha"];
-const EMISSION_MAPS: [&str; 2] = ["map_ke", "map_emissive"];
 
 impl Entry {
     /// Notes what of the material has no effect, it being such a surface.
@@ -45,7 +44,9 @@ impl Entry {
             "d" => lost(!is_glass && values.last().is_some_and(|&d| d < 1.0), Fate::Opaque),
             "tr" => self.fate_of_transparency(&values).filter(|_| !is_glass),
             "tf" => lost(is_glass && !is_one, Fate::Unfiltered),
-            "map_kd" => lost(surface != Surface::Paint, Fate::WithoutEffect),
+            "map_kd" => {
+                lost(surface != Surface::Paint && !self.glows(surface), Fate::WithoutEffect)
+            }
             "illum" => self.fate_of_model(surface),
             // The index of what is no glass only shapes a highlight; `sharpness` and `map_aat` say
             // how maps are filtered.
@@ -54,7 +55,7 @@ impl Entry {
             "ka" | "map_ka" => Some(Fate::Judged("light from everywhere is not added: ")),
             _ if SHARES.contains(&key) => lost(!is_zero, Fate::WithoutEffect),
             _ if OPACITY_MAPS.contains(&key) => lost(!is_glass, Fate::Opaque),
-            _ if EMISSION_MAPS.contains(&key) => Some(Fate::Unlit),
+            _ if EMISSION_MAPS.contains(&key) => lost(!surface.may_glow(), Fate::Unlit),
             _ => Some(Fate::WithoutEffect),
         }
     }

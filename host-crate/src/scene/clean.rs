@@ -1,6 +1,6 @@
 //! Leaves out triangles that nobody sees.
 
-use crate::scene::mesh::{Mesh, has_area};
+use super::mesh::{Mesh, has_area};
 use glam::Vec3;
 use std::collections::HashSet;
 

@@ -1,0 +1,55 @@
+//! Extensions: which are read, and what becomes of the others.
+
+use crate::scene::error::{SceneError, list};
+use gltf::json::Root;
+use std::path::Path;
+
+/// The extension of pictures as WebP.
+pub(super) const WEBP: &str = "EXT_texture_webp";
+/// The extension of copies of a mesh.
+pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+/// The extension that moves texture coordinates.
+pub(super) const TRANSFORM: &str = "KHR_texture_transform";
+/// The older model of materials.
+pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+
+/// Extensions whose content is read; of what the picture does not show, its reader says so.
+const READ: &[&str] = &[
+    INSTANCING,
+    WEBP,
+    TRANSFORM,
+    SPECULAR_GLOSSINESS,
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+];
+
+/// Fails if the file requires what is not read.
+pub(super) fn check_required(root: &Root, path: &Path) -> Result<(), SceneError> {
+    let names = unknown(&root.extensions_required);
+    if names.is_empty() {
+        return Ok(());
+    }
+    Err(SceneError::Extensions { path: path.to_owned(), names })
+}
+
+/// What to say of extensions that are not read.
+pub(super) fn unread(root: &Root) -> Option<String> {
+    let names = unknown(&root.extensions_used);
+    (!names.is_empty()).then(|| format!("these extensions are not read: {}.", list(&names)))
+}
+
+fn unknown(names: &[String]) -> Vec<String> {
+    names.iter().filter(|name| !READ.contains(&name.as_str())).cloned().collect()
+}

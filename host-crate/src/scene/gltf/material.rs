@@ -1,0 +1,180 @@
+//! Materials.
+
+mod cover;
+mod described;
+mod left_out;
+
+use self::described::{Described, Sources};
+use super::document::Document;
+use super::layout::Layout;
+use super::texture::Textures;
+use crate::scene::description::Scene;
+use crate::scene::error::SceneError;
+use crate::scene::material::{Channel, Maps, Material, MaterialId, NormalMap, Opacity, Principled};
+use crate::scene::options::LoadOptions;
+use crate::scene::source::Source;
+use crate::scene::summary::{Fate, Summary};
+use glam::Vec3;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// The channels of roughness and metal.
+const ROUGHNESS: u32 = 1;
+const METALLIC: u32 = 2;
+/// That of opacity.
+const ALPHA: usize = 3;
+
+const ALPHA_OF_VERTICES: Fate = Fate::Becomes("the alpha of vertices does not count: ");
+
+/// The colour of all vertices of a primitive.
+#[derive(Clone, Copy)]
+pub(super) struct VertexColour {
+    /// Linear Rec.709, each component in [0, 1].
+    pub colour: Vec3,
+    pub is_opaque: bool,
+}
+
+impl VertexColour {
+    pub(super) const WHITE: Self = Self { colour: Vec3::ONE, is_opaque: true };
+}
+
+/// What triangles are made of.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Surface {
+    /// Nothing: they are not seen.
+    Nothing,
+    Of(MaterialId),
+}
+
+/// A material of the scene, and where its textures lie.
+#[derive(Clone, Copy)]
+pub(super) struct Made {
+    pub surface: Surface,
+    /// None if it has no texture.
+    pub layout: Option<Layout>,
+}
+
+/// What tells materials of a scene apart that are one in the file: its number there, the colour of
+/// vertices, whether there are texture coordinates.
+type Key = (Option<usize>, [u32; 3], bool);
+
+/// The materials of a file as they are made.
+pub(super) struct Materials<'a> {
+    sources: Sources<'a>,
+    described: HashMap<Option<usize>, Rc<Described>>,
+    made: HashMap<Key, MaterialId>,
+}
+
+impl<'a> Materials<'a> {
+    pub(super) fn new(
+        document: &'a Document<'a>,
+        source: &'a dyn Source,
+        options: LoadOptions,
+    ) -> Self {
+        Self {
+            sources: Sources {
+                document,
+                textures: Textures::new(document, source, options),
+                summary: Summary::default(),
+            },
+            described: HashMap::new(),
+            made: HashMap::new(),
+        }
+    }
+
+    /// What the triangles of the primitive at `place` are made of, by the number of their material
+    /// in the file, or by default. `has_set` says which texture coordinates there are.
+    pub(super) fn surface(
+        &mut self,
+        material: Option<usize>,
+        vertices: VertexColour,
+        has_set: impl Fn(u32) -> bool,
+        place: &str,
+        scene: &mut Scene,
+    ) -> Result<Made, SceneError> {
+        let described = match self.described.get(&material) {
+            Some(described) => described.clone(),
+            None => {
+                let described = Rc::new(self.sources.describe(material, place)?);
+                self.described.insert(material, described.clone());
+                described
+            }
+        };
+        if described.is_invisible {
+            return Ok(Made { surface: Surface::Nothing, layout: None });
+        }
+        if !vertices.is_opaque && described.may_be_seen_through {
+            let thing = format!("COLOR_0 of {place}");
+            self.sources.summary.note(
+                self.sources.document.path,
+                0,
+                ALPHA_OF_VERTICES,
+                &thing,
+                &described.name,
+            );
+        }
+        let layout = described.layout().filter(|layout| has_set(layout.set));
+        if layout.is_none() && described.layout().is_some() {
+            self.sources.summary.note(
+                self.sources.document.path,
+                0,
+                Fate::MeanOfTexture,
+                place,
+                &described.name,
+            );
+        }
+        let key = (material, vertices.colour.to_array().map(f32::to_bits), layout.is_some());
+        let id = match self.made.get(&key) {
+            Some(&id) => id,
+            None => {
+                let made = self.make(&described, vertices.colour, layout.is_some());
+                let id = scene.add_material(Material::Principled(made));
+                self.made.insert(key, id);
+                id
+            }
+        };
+        Ok(Made { surface: Surface::Of(id), layout })
+    }
+
+    /// The material with its textures, or else with their means.
+    fn make(&self, described: &Described, colour: Vec3, is_textured: bool) -> Principled {
+        let Described { base_colour, roughness, normal, emission, .. } = described;
+        let mut made = described.plain;
+        made.base_colour *= colour;
+        if is_textured {
+            let channel =
+                |channel: u32| roughness.map(|slot| Channel { texture: slot.texture, channel });
+            made.maps = Maps {
+                base_colour: base_colour.map(|slot| slot.texture),
+                roughness: channel(ROUGHNESS),
+                metallic: channel(METALLIC),
+                normal: normal.map(|(slot, scale)| NormalMap { texture: slot.texture, scale }),
+                emission: emission.map(|slot| slot.texture),
+            };
+            return made;
+        }
+        let pictures = &self.sources.textures.pictures;
+        if let Some(slot) = base_colour {
+            let texture = pictures.get(slot.texture);
+            made.base_colour *= texture.mean();
+            if let Opacity::Mask { alpha, .. } | Opacity::Blend { alpha } = &mut made.opacity {
+                *alpha *= texture.mean_code(ALPHA);
+            }
+        }
+        if let Some(slot) = emission {
+            made.emission *= pictures.get(slot.texture).mean();
+        }
+        if let Some(slot) = roughness {
+            let texture = pictures.get(slot.texture);
+            made.roughness *= texture.mean_code(ROUGHNESS as usize);
+            made.metallic *= texture.mean_code(METALLIC as usize);
+        }
+        made
+    }
+
+    /// Hands over the textures, and says what is left out of materials.
+    pub(super) fn finish(self, scene: &mut Scene) {
+        self.sources.summary.finish(scene);
+        scene.textures = self.sources.textures.pictures.textures;
+    }
+}

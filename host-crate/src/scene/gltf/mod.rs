@@ -1,0 +1,204 @@
+//! glTF 2.0: meshes, materials, cameras and what holds them together, as text or binary.
+//!
+//! The crate `gltf` describes the JSON. What it says is checked where it is used, here: the crate's
+//! own validation panics on indices that lead nowhere, and its readers know no quantised positions.
+
+mod accessor;
+mod camera;
+mod deform;
+mod document;
+mod extensions;
+mod geometry;
+mod instances;
+mod layout;
+mod lights;
+mod material;
+mod nodes;
+mod primitive;
+mod specular_glossiness;
+mod texture;
+
+pub(super) use document::is_binary;
+
+use self::document::Document;
+use self::geometry::Geometry;
+use self::instances::instances;
+use self::material::{Materials, Surface};
+use self::nodes::Nodes;
+use self::primitive::{Primitive, Shape};
+use super::bounds::MAX_COORDINATE;
+use super::camera::Camera;
+use super::clean::Cleaner;
+use super::description::Scene;
+use super::environment::{Environment, LIT_BY_DEFAULT};
+use super::error::SceneError;
+use super::film::FilmSize;
+use super::framing::{self, FRAMED};
+use super::material::{Material, MaterialId};
+use super::mesh::Mesh;
+use super::options::LoadOptions;
+use super::recentre::origin_of;
+use super::source::{SceneBytes, Source};
+use glam::{DMat4, DVec3, Vec3};
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// A shape at its place in the world.
+struct Placed {
+    shape: Rc<Geometry>,
+    transform: DMat4,
+    material: MaterialId,
+    /// The part of the file that it is from.
+    part: String,
+}
+
+impl Placed {
+    /// Its positions in the world.
+    fn positions(&self) -> impl ExactSizeIterator<Item = DVec3> {
+        let positions = self.shape.positions.iter();
+        positions.map(|position| self.transform.transform_point3(position.as_dvec3()))
+    }
+}
+
+/// Loads a glTF.
+pub(super) fn load(
+    source: &dyn Source,
+    file: SceneBytes<'_>,
+    options: LoadOptions,
+) -> Result<Scene, SceneError> {
+    let document = Document::parse(source, file, options)?;
+    let nodes = Nodes::of(&document)?;
+    let mut scene = Scene::new(Camera::new(Vec3::Z, Vec3::ZERO, 40.0), FilmSize::default());
+    scene.name = file.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
+    document.warn(&mut scene);
+    let mut materials = Materials::new(&document, source, options);
+    let placed = place(&document, &nodes, &mut materials, &mut scene)?;
+    let origin = origin_of(placed.iter().map(Placed::positions));
+    let mut cleaner = Cleaner::new(false);
+    for placed in &placed {
+        scene.add_mesh(mesh(&document, placed, origin, &mut cleaner)?);
+    }
+    materials.finish(&mut scene);
+    let path = file.path.display();
+    if cleaner.degenerate > 0 {
+        let count = cleaner.degenerate;
+        scene.warnings.push(format!("{path}: {count} triangles without area were dropped."));
+    }
+    if origin != DVec3::ZERO {
+        scene.warnings.push(format!(
+            "{path}: the scene is far from the origin; all positions count from ({}, {}, {}), so \
+             that none loses its digits.",
+            origin.x, origin.y, origin.z
+        ));
+    }
+    lights::add(&document, &nodes, origin, &mut scene)?;
+    camera::add(&document, &nodes, origin, &mut scene)?;
+    match scene.cameras.first() {
+        Some(first) => (scene.camera, scene.film) = (first.camera, first.film),
+        None => {
+            framing::frame(&mut scene);
+            scene.warnings.push(format!("{path}: it has no camera that is shown; {FRAMED}"));
+        }
+    }
+    if !has_lamp(&scene) {
+        scene.set_environment(Environment::white());
+        scene.warnings.push(format!("{path}: it has no light that is shown; {LIT_BY_DEFAULT}"));
+    }
+    // What a file says has been checked on the way; this is for what is made of it.
+    scene.check().map_err(|wrong| document.wrong(&wrong.place, wrong.what))?;
+    Ok(scene)
+}
+
+/// Whether anything is there to light the scene. A texture of emission is mostly black, and what
+/// glows on it is no lamp.
+fn has_lamp(scene: &Scene) -> bool {
+    let shines = |material: &Material| {
+        let is_mapped = matches!(material, Material::Principled(p) if p.maps.emission.is_some());
+        material.radiance() != Vec3::ZERO && !is_mapped
+    };
+    !scene.punctual_lights.is_empty() || scene.materials.iter().any(shines)
+}
+
+/// All shapes of the scene that is shown.
+fn place(
+    document: &Document<'_>,
+    nodes: &Nodes,
+    materials: &mut Materials<'_>,
+    scene: &mut Scene,
+) -> Result<Vec<Placed>, SceneError> {
+    let mut placed = Vec::new();
+    let mut rigid: HashMap<(usize, usize), Shape> = HashMap::new();
+    let mut lacks = primitive::Lacks::default();
+    for node in nodes.shown() {
+        let Some(mesh_index) = document.root.nodes[node].mesh else { continue };
+        let at = format!("nodes[{node}].mesh");
+        let mesh = document.get(&document.root.meshes, mesh_index.value(), "meshes", &at)?;
+        let transforms = instances(document, nodes, node)?;
+        for number in 0..mesh.primitives.len() {
+            let primitive = Primitive { document, mesh: mesh_index.value(), number };
+            let key = (mesh_index.value(), number);
+            let is_bent = primitive.is_bent(node);
+            let shape = match rigid.get(&key).filter(|_| !is_bent) {
+                Some(shape) => shape.clone(),
+                None => {
+                    let shape = primitive.shape(materials, scene, &mut lacks)?;
+                    if !is_bent {
+                        rigid.insert(key, shape.clone());
+                    }
+                    shape
+                }
+            };
+            let Shape { geometry: Some(geometry), surface: Surface::Of(material) } = shape else {
+                continue;
+            };
+            let part = primitive.place();
+            document.charge_triangles(geometry.triangles.len() * transforms.len(), &part)?;
+            document.charge_vertices(geometry.positions.len() * transforms.len(), &part)?;
+            let (shape, transforms) = if is_bent {
+                let (bent, is_in_world) = deform::bend(&primitive, nodes, node, &geometry)?;
+                let transforms =
+                    if is_in_world { vec![DMat4::IDENTITY] } else { transforms.clone() };
+                (Rc::new(bent), transforms)
+            } else {
+                (geometry, transforms.clone())
+            };
+            placed.extend(transforms.into_iter().map(|transform| Placed {
+                shape: shape.clone(),
+                transform,
+                material,
+                part: part.clone(),
+            }));
+        }
+    }
+    lacks.finish(document, scene);
+    if placed.is_empty() {
+        return Err(document.wrong("meshes", "there is no triangle in the scene that is shown"));
+    }
+    Ok(placed)
+}
+
+/// The mesh of a shape in the world, with `origin` taken off its positions.
+fn mesh(
+    document: &Document<'_>,
+    placed: &Placed,
+    origin: DVec3,
+    cleaner: &mut Cleaner,
+) -> Result<Mesh, SceneError> {
+    let is_near = |place: &DVec3| (*place - origin).abs().max_element() <= MAX_COORDINATE;
+    if let Some(index) = placed.positions().position(|place| !is_near(&place)) {
+        let what = format!(
+            "vertex {index} is more than {MAX_COORDINATE:e} from the middle of the scene, or is no \
+             number"
+        );
+        return Err(document.wrong(&placed.part, what));
+    }
+    let positions = placed.positions().map(|place| (place - origin).as_vec3()).collect();
+    let mut mesh = placed.shape.mesh(placed.material, positions, &placed.transform);
+    if placed.shape.is_joined {
+        // Strips have triangles without area where they are joined.
+        mesh.retain(super::mesh::has_area);
+    } else {
+        cleaner.clean(&mut mesh);
+    }
+    Ok(mesh)
+}

@@ -1,0 +1,242 @@
+//! The parts of meshes.
+
+use super::document::Document;
+use super::geometry::Geometry;
+use super::material::{Materials, Surface, VertexColour};
+use crate::scene::bounds::MAX_COORDINATE;
+use crate::scene::description::Scene;
+use crate::scene::error::SceneError;
+use glam::{Vec2, Vec3};
+use gltf::json;
+use gltf::json::mesh::{Mode, Semantic};
+use gltf::json::validation::Checked::Valid;
+use std::rc::Rc;
+
+/// A part of a mesh, by its place in the file.
+pub(super) struct Primitive<'a, 'd> {
+    pub document: &'a Document<'d>,
+    /// The number of the mesh, which is there.
+    pub mesh: usize,
+    /// Its own number in the mesh, which is there.
+    pub number: usize,
+}
+
+/// What is shown of a primitive.
+#[derive(Clone)]
+pub(super) struct Shape {
+    /// None where it has no triangles.
+    pub geometry: Option<Rc<Geometry>>,
+    pub surface: Surface,
+}
+
+impl Shape {
+    const NOTHING: Self = Self { geometry: None, surface: Surface::Nothing };
+}
+
+/// How many primitives lack something.
+#[derive(Default)]
+pub(super) struct Lacks {
+    points_and_lines: usize,
+    positions: usize,
+    numbers: usize,
+    mixed_colours: usize,
+}
+
+impl Lacks {
+    /// Says what is lacking.
+    pub(super) fn finish(self, document: &Document<'_>, scene: &mut Scene) {
+        let remarks = [
+            (self.points_and_lines, "parts of meshes that are points or lines are not shown"),
+            (self.positions, "parts of meshes without POSITION are not shown"),
+            (
+                self.numbers,
+                "parts of meshes have normals or texture coordinates that are no numbers",
+            ),
+            (
+                self.mixed_colours,
+                "parts of meshes whose vertices differ in colour are shown in the mean of their \
+                 colours",
+            ),
+        ];
+        for (count, what) in remarks.into_iter().filter(|(count, _)| *count > 0) {
+            scene.warnings.push(document.warning(&format!("{what}: {count}.")));
+        }
+    }
+}
+
+impl Primitive<'_, '_> {
+    /// The primitive as the file has it.
+    pub(super) fn json(&self) -> &json::mesh::Primitive {
+        &self.document.root.meshes[self.mesh].primitives[self.number]
+    }
+
+    /// Where it is in the file.
+    pub(super) fn place(&self) -> String {
+        format!("meshes[{}].primitives[{}]", self.mesh, self.number)
+    }
+
+    /// The accessor of an attribute.
+    pub(super) fn attribute(&self, semantic: Semantic) -> Option<usize> {
+        self.json().attributes.get(&Valid(semantic)).map(json::Index::value)
+    }
+
+    /// An attribute of `count` vertices.
+    pub(super) fn vectors<const N: usize>(
+        &self,
+        accessor: usize,
+        name: &str,
+        count: usize,
+    ) -> Result<Vec<[f32; N]>, SceneError> {
+        let vectors = self.document.numbers(accessor, &self.attribute_place(name))?;
+        self.check_count(name, vectors.len(), count)?;
+        Ok(vectors)
+    }
+
+    /// Fails if an attribute has not an element for each position.
+    pub(super) fn check_count(
+        &self,
+        name: &str,
+        found: usize,
+        count: usize,
+    ) -> Result<(), SceneError> {
+        if found == count {
+            return Ok(());
+        }
+        let what = format!("has {found} elements, but there are {count} positions");
+        Err(self.document.wrong(&self.attribute_place(name), what))
+    }
+
+    /// Where an attribute is in the file.
+    pub(super) fn attribute_place(&self, name: &str) -> String {
+        format!("{}.attributes.{name}", self.place())
+    }
+
+    /// Its triangles and what they are made of, in the space of the mesh.
+    pub(super) fn shape(
+        &self,
+        materials: &mut Materials<'_>,
+        scene: &mut Scene,
+        lacks: &mut Lacks,
+    ) -> Result<Shape, SceneError> {
+        let Valid(mode) = self.json().mode else {
+            return Err(self
+                .document
+                .wrong(&format!("{}.mode", self.place()), "is none of glTF's"));
+        };
+        if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+            lacks.points_and_lines += 1;
+            return Ok(Shape::NOTHING);
+        }
+        let Some(positions) = self.attribute(Semantic::Positions) else {
+            lacks.positions += 1;
+            return Ok(Shape::NOTHING);
+        };
+        let place = self.attribute_place("POSITION");
+        let positions = self.document.numbers::<3>(positions, &place)?;
+        let count = positions.len();
+        let triangles = self.triangles(mode, count)?;
+        if triangles.is_empty() {
+            return Ok(Shape::NOTHING);
+        }
+        let mut has_all_numbers = true;
+        let normals = self.attribute(Semantic::Normals);
+        let normals = normals.map(|accessor| self.vectors::<3>(accessor, "NORMAL", count));
+        let normals = normals.transpose()?.map(|normals| {
+            let usable = |normal: [f32; 3]| {
+                let normal = Vec3::from_array(normal);
+                has_all_numbers &= normal.is_finite();
+                if normal.is_finite() { normal } else { Vec3::ZERO }
+            };
+            normals.into_iter().map(usable).collect()
+        });
+        let colour = self.colour(count, lacks)?;
+        let has_set = |set: u32| self.attribute(Semantic::TexCoords(set)).is_some();
+        let material = self.json().material.map(|material| material.value());
+        let made = materials.surface(material, colour, has_set, &self.place(), scene)?;
+        let mut texture_coordinates = None;
+        if let Some(layout) = made.layout
+            && let Some(accessor) = self.attribute(Semantic::TexCoords(layout.set))
+        {
+            let name = format!("TEXCOORD_{}", layout.set);
+            let usable = |uv: [f32; 2]| {
+                let uv = layout.of(uv);
+                let is_usable = uv.abs().max_element() <= MAX_COORDINATE as f32;
+                has_all_numbers &= is_usable && !uv.is_nan();
+                if is_usable && !uv.is_nan() { uv } else { Vec2::ZERO }
+            };
+            let coordinates = self.vectors::<2>(accessor, &name, count)?;
+            texture_coordinates = Some(coordinates.into_iter().map(usable).collect());
+        }
+        lacks.numbers += usize::from(!has_all_numbers);
+        let geometry = Geometry {
+            positions: positions.into_iter().map(Vec3::from_array).collect(),
+            normals,
+            texture_coordinates,
+            triangles,
+            is_joined: mode == Mode::TriangleStrip,
+        };
+        Ok(Shape { geometry: Some(Rc::new(geometry)), surface: made.surface })
+    }
+
+    /// The colour of its vertices.
+    fn colour(&self, count: usize, lacks: &mut Lacks) -> Result<VertexColour, SceneError> {
+        let Some(accessor) = self.attribute(Semantic::Colors(0)) else {
+            return Ok(VertexColour::WHITE);
+        };
+        let name = "COLOR_0";
+        let components = self.document.components(accessor, &self.attribute_place(name))?;
+        let colours: Vec<[f32; 4]> = if components == 3 {
+            let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
+            self.vectors::<3>(accessor, name, count)?.into_iter().map(opaque).collect()
+        } else {
+            self.vectors::<4>(accessor, name, count)?
+        };
+        let share = |c: f32| if c.is_nan() { 0.0 } else { c.clamp(0.0, 1.0) };
+        let colours = || colours.iter().map(|colour| colour.map(share));
+        let first = colours().next().unwrap_or([1.0; 4]);
+        let is_opaque = colours().all(|[.., alpha]| alpha == 1.0);
+        let [r, g, b, _] = if colours().all(|colour| colour == first) {
+            first
+        } else {
+            lacks.mixed_colours += 1;
+            let sum = colours().fold([0.0_f64; 4], |sum, colour| {
+                std::array::from_fn(|k| sum[k] + f64::from(colour[k]))
+            });
+            sum.map(|sum| (sum / count as f64) as f32)
+        };
+        Ok(VertexColour { colour: Vec3::new(r, g, b), is_opaque })
+    }
+
+    /// The corners of its triangles among `count` vertices.
+    fn triangles(&self, mode: Mode, count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+        let place = format!("{}.indices", self.place());
+        let indices: Vec<u32> = match self.json().indices {
+            Some(accessor) => {
+                let indices = self.document.indices::<1>(accessor.value(), &place)?;
+                indices.into_iter().flatten().collect()
+            }
+            None => (0..count as u32).collect(),
+        };
+        if let Some(at) = indices.iter().position(|&index| index as usize >= count) {
+            let what = format!("names vertex {}, but there are {count}", indices[at]);
+            return Err(self.document.wrong(&format!("{place}, number {at}"), what));
+        }
+        Ok(match mode {
+            Mode::TriangleStrip => {
+                let turn = |(at, corners): (usize, &[u32])| match at % 2 {
+                    0 => [corners[0], corners[1], corners[2]],
+                    _ => [corners[1], corners[0], corners[2]],
+                };
+                indices.windows(3).enumerate().map(turn).collect()
+            }
+            Mode::TriangleFan => {
+                let fan = indices.get(1..).unwrap_or_default().windows(2);
+                fan.map(|pair| [indices[0], pair[0], pair[1]]).collect()
+            }
+            _ => indices
+                .chunks_exact(3)
+                .map(|corners| [corners[0], corners[1], corners[2]])
+                .collect(),
+        })
+    }
+}

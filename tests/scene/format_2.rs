@@ -1,0 +1,366 @@
+//! Scene files of format 2, and the schema of them that ships.
+
+use glam::Vec3;
+use raystream::scene::{
+    Lens, Material, MaterialId, Mesh, Principled, Projection, PunctualLight, Scene,
+};
+use raystream_tests::scene_folder::SceneFolder;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+
+const SCHEMA: &str = include_str!("../../docs/scene.schema.json");
+
+/// A square of one material in the plane z = 0, with normals and texture coordinates.
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n\
+    usemtl left\nf 1/1/1 2/2/1 3/3/1\nusemtl right\nf 1/1/1 3/3/1 4/4/1\n";
+
+/// A file that has everything.
+fn whole() -> Value {
+    json!({
+        "$schema": "scene.schema.json",
+        "format": 2,
+        "name": "all",
+        "about": "of everything one",
+        "film": {"width": 8, "height": 6},
+        "camera": {"origin": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y": 40,
+            "aperture": 0.1, "focus": 4, "blades": 5},
+        "meshes": [
+            {"file": "square.obj", "material": "wall", "normals": "smooth", "dedupe": true,
+                "transform": {"scale": 2, "rotate": [0, 90, 0], "translate": [0, 0, -1]}},
+            {"file": "square.obj", "materials": {
+                "left": {"type": "mirror", "reflectance": [1, 1, 1]}, "right": "glow"}},
+            {"file": "a.obj",
+                "transform": {"matrix": [[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, -1, 0]]}}
+        ],
+        "materials": {
+            "wall": {"type": "diffuse", "reflectance": [0.5, 0.6, 0.7]},
+            "glow": {"type": "principled", "reflectance": {"texture": "t.png"}, "specular": [1, 1, 0],
+                "radiance": [2, 3, 4], "textures": {
+                    "roughness": {"file": "t.png", "channel": "green"},
+                    "metallic": {"file": "t.png", "channel": "blue"},
+                    "normal": {"file": "t.png", "scale": 0.5},
+                    "emission": {"file": "t.png"}}}
+        },
+        "quads": [{"corner": [0, 0, 3], "u": [1, 0, 0], "v": [0, 1, 0], "radiance": [1, 2, 3]}],
+        "lights": [
+            {"type": "point", "position": [1, 2, 3], "intensity": [4, 5, 6]},
+            {"type": "spot", "position": [0, 1, 0], "direction": [0, -1, 0], "intensity": [1, 1, 1],
+                "inner_angle": 10, "outer_angle": 30},
+            {"type": "directional", "direction": [0, -1, -1], "irradiance": [3, 2, 1], "angle": 0.5}
+        ],
+        "environment": {"colour": [0.1, 0.2, 0.3], "strength": 2},
+        "background": [0, 0, 1],
+        "integrator": {"max_depth": 3, "rr_depth": 2}
+    })
+}
+
+fn folder(scene: &Value) -> SceneFolder {
+    let folder = SceneFolder::new().with("square.obj", SQUARE);
+    image::RgbImage::from_pixel(2, 2, image::Rgb([255, 128, 0]))
+        .save(folder.path("t.png"))
+        .unwrap();
+    folder.with("scene.json", scene.to_string())
+}
+
+fn load(scene: &Value) -> Scene {
+    folder(scene).load().unwrap()
+}
+
+/// The material of the mesh of this number.
+fn material(scene: &Scene, mesh: usize) -> Material {
+    let MaterialId(index) = scene.meshes[mesh].material;
+    scene.materials[index as usize]
+}
+
+#[test]
+fn every_key_is_read() {
+    let scene = load(&whole());
+    assert_eq!(scene.warnings, [""; 0]);
+    assert!(scene.check().is_ok());
+    assert_eq!((scene.name.as_str(), scene.film.width, scene.limits.max_depth), ("all", 8, 3));
+    let lens = Lens { radius: 0.1, focus_distance: 4.0, blades: 5 };
+    let projection = Projection::Perspective { fov_y: 40.0, lens: Some(lens) };
+    assert_eq!(scene.camera.projection, projection);
+    assert_eq!(scene.triangle_count(), 2 + 2 + 2 + 2);
+
+    let grey = Material::diffuse(Vec3::new(0.5, 0.6, 0.7));
+    assert_eq!([material(&scene, 0), material(&scene, 1)], [grey; 2]);
+    assert_eq!(material(&scene, 2), Material::mirror(Vec3::ONE));
+    let Material::Principled(Principled { roughness, metallic, emission, specular, maps, .. }) =
+        material(&scene, 3)
+    else {
+        panic!("{:?}", material(&scene, 3));
+    };
+    assert_eq!((roughness, metallic), (1.0, 1.0), "what textures multiply");
+    assert_eq!((emission, specular), (Vec3::new(2.0, 3.0, 4.0), Vec3::new(1.0, 1.0, 0.0)));
+    assert_eq!((maps.roughness.unwrap().channel, maps.metallic.unwrap().channel), (1, 2));
+    assert_eq!(maps.normal.unwrap().scale, 0.5);
+    assert!(maps.emission.is_some() && maps.base_colour.is_some());
+    assert_eq!(scene.textures.len(), 1, "a picture is read once");
+
+    assert_eq!(
+        scene.punctual_lights,
+        [
+            PunctualLight::point(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 5.0, 6.0)),
+            PunctualLight::Spot {
+                position: Vec3::Y,
+                direction: Vec3::NEG_Y,
+                intensity: Vec3::ONE,
+                inner_angle: 10.0,
+                outer_angle: 30.0,
+            },
+            PunctualLight::Directional {
+                direction: Vec3::new(0.0, -1.0, -1.0),
+                irradiance: Vec3::new(3.0, 2.0, 1.0),
+                angle: 0.5,
+            },
+        ]
+    );
+    let environment = scene.environment.unwrap();
+    assert_eq!((environment.texels[0], environment.strength), (Vec3::new(0.1, 0.2, 0.3), 2.0));
+    assert_eq!(scene.background, Vec3::Z);
+}
+
+#[test]
+fn meshes_are_moved() {
+    let scene = load(&whole());
+    // Twice as large, turned from x to -z and from z to x, and moved.
+    let close = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-6, "{a} {b}");
+    let [a, b, c] = scene.meshes[0].corners(0);
+    close(a, Vec3::NEG_Z);
+    close(b, Vec3::new(0.0, 0.0, -3.0));
+    close(c, Vec3::new(0.0, 2.0, -3.0));
+    close(scene.meshes[0].normals.as_ref().unwrap()[0][0], Vec3::X);
+    close((b - a).cross(c - a).normalize(), Vec3::X);
+    // Mirrored, so its front, which shows towards z, now shows towards -z.
+    let mirrored: &Mesh = scene.meshes.last().unwrap();
+    let [a, b, c] = mirrored.corners(0);
+    close((b - a).cross(c - a).normalize(), Vec3::NEG_Z);
+    close(a, Vec3::X * 3.0);
+}
+
+/// Scaled unevenly, normals stay perpendicular to the surface.
+#[test]
+fn normals_follow_the_surface() {
+    let mut scene = whole();
+    let slope = "v 0 0 0\nv 1 1 0\nv 0 0 1\nvn -0.7071068 0.7071068 0\nf 1//1 3//1 2//1\n";
+    scene["meshes"] = json!([{"file": "slope.obj", "normals": "smooth", "material": "wall",
+        "transform": {"scale": [3, 1, 1], "rotate": [10, 20, 30]}}]);
+    scene["materials"].as_object_mut().unwrap().remove("glow");
+    let scene = folder(&scene).with("slope.obj", slope).load().unwrap();
+    let mesh = &scene.meshes[0];
+    let [a, b, c] = mesh.corners(0);
+    let geometric = (b - a).cross(c - a).normalize();
+    let shading = mesh.normals.as_ref().unwrap()[0][0];
+    assert!((shading - geometric).length() < 1e-6, "{shading} {geometric}");
+}
+
+#[test]
+fn a_scene_far_away_is_brought_near_with_its_lights() {
+    let mut far = whole();
+    let place = [5_000_000.0, 0.0, 0.0];
+    far["meshes"] = json!([
+        {"file": "square.obj", "material": "wall", "transform": {"translate": place}}]);
+    far["materials"].as_object_mut().unwrap().remove("glow");
+    far["lights"] =
+        json!([{"type": "point", "position": [5_000_000.5, 1, 0], "intensity": [1, 1, 1]}]);
+    far["camera"]["origin"] = json!([5_000_000.0, 0, 5]);
+    far["camera"]["target"] = json!(place);
+    far["quads"] = json!([]);
+    let scene = load(&far);
+    let [a, b, _] = scene.meshes[0].corners(0);
+    assert_eq!(b - a, Vec3::X);
+    let PunctualLight::Point { position, .. } = scene.punctual_lights[0] else { panic!() };
+    assert_eq!(position - a, Vec3::new(0.5, 1.0, 0.0));
+    assert!(scene.warnings[0].contains("far from the origin"), "{:?}", scene.warnings);
+}
+
+/// Lines without texture coordinates have the mean of each texture.
+#[test]
+fn without_texture_coordinates_the_means_are_shown() {
+    let mut scene = whole();
+    scene["meshes"] =
+        json!([{"file": "bare.obj", "material": "glow"}, {"file": "a.obj", "material": "wall"}]);
+    let bare = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let scene = folder(&scene).with("bare.obj", bare).load().unwrap();
+    let Material::Principled(material) = material(&scene, 0) else { panic!() };
+    assert_eq!(material.maps.textures().count(), 0);
+    assert!((material.roughness - 128.0 / 255.0).abs() < 1e-6 && material.metallic == 0.0);
+    assert!((material.emission.x - 2.0).abs() < 1e-6 && material.emission.z == 0.0);
+    assert!(
+        scene.warnings.iter().any(|w| w.contains("mean of their texture")),
+        "{:?}",
+        scene.warnings
+    );
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let mut cases: Vec<(&str, Value, &[&str])> = vec![
+        ("/format", json!(3), &["formats 1 and 2, not 3"]),
+        ("/obj", json!("a.obj"), &["unknown field `obj`"]),
+        ("/meshes/0/file", json!("b.obj"), &["key `meshes[0].file`", "no such file", "b.obj"]),
+        (
+            "/meshes/0/material",
+            json!("wal"),
+            &["key `meshes[0].material`", "`wal`", "`glow`, `wall`"],
+        ),
+        (
+            "/meshes/1/materials/middle",
+            json!("wall"),
+            &["meshes[1].materials", "`middle`", "`left`"],
+        ),
+        ("/meshes/0/transform/scale", json!(0), &["meshes[0].transform", "determinant"]),
+        ("/meshes/0/transform/translate", json!([1e13, 0, 0]), &["meshes[0].transform.translate"]),
+        (
+            "/materials/glow/textures/normal/file",
+            json!("n.png"),
+            &["materials.glow.textures.normal.file", "no such file"],
+        ),
+        (
+            "/materials/glow/textures/metallic/channel",
+            json!("grey"),
+            &["unknown variant `grey`", "`red`"],
+        ),
+        ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
+        ("/lights/0/angle", json!(1), &["lights[0]", "a point light has no key `angle`"]),
+        (
+            "/lights/1/inner_angle",
+            json!(40),
+            &["lights[1]", "inner_angle", "from 0 to outer_angle"],
+        ),
+        ("/lights/2/direction", json!([0, 0, 0]), &["lights[2]", "direction is zero"]),
+        ("/lights/2/irradiance", json!([0, -1, 0]), &["lights[2].irradiance", "from 0 to"]),
+        ("/environment", json!({}), &["environment", "needs the key `file`"]),
+        ("/environment/file", json!("x.hdr"), &["key `environment.file`", "no such file"]),
+        ("/environment/file", json!("t.png"), &["t.png", "neither a Radiance HDR nor an EXR"]),
+        ("/background", json!([1, 1]), &["key `background`", "three numbers"]),
+        ("/camera/aperture", json!(-1), &["camera.aperture", "from 0 to"]),
+        ("/camera/blades", json!(2), &["camera.blades", "from 3 to 64"]),
+        ("/camera/focus", json!(0), &["camera.focus", "above 0"]),
+        ("/camera/width", json!(3), &["a perspective camera has no key `width`"]),
+        ("/camera/type", json!("fisheye"), &["camera.type", "unknown variant", "`panorama`"]),
+        ("/camera/type", json!("orthographic"), &["an orthographic camera has no key `fov_y`"]),
+    ];
+    cases.push(("/meshes/0/transform", json!([1]), &["meshes[0].transform", "an object {...}"]));
+    for (at, value, parts) in cases {
+        let mut scene = whole();
+        let (parent, key) = at.rsplit_once('/').unwrap();
+        scene.pointer_mut(parent).unwrap()[key] = value;
+        let message = folder(&scene).error();
+        for part in parts {
+            assert!(message.contains(part), "{at}: {message:?} does not say {part:?}");
+        }
+    }
+    let mut pinhole = whole();
+    pinhole["camera"].as_object_mut().unwrap().remove("aperture");
+    assert!(folder(&pinhole).error().contains("`focus` needs a lens"));
+    let mut without_angle = whole();
+    without_angle["camera"] = json!({"origin": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0]});
+    assert!(folder(&without_angle).error().contains("needs the key `fov_y`"));
+}
+
+#[test]
+fn materials_that_nothing_names_are_said() {
+    let mut scene = whole();
+    scene["materials"]["spare"] = json!({"type": "null"});
+    let warnings = load(&scene).warnings;
+    assert!(
+        warnings.iter().any(|w| w.contains("no mesh names") && w.contains("`spare`")),
+        "{warnings:?}"
+    );
+}
+
+/// A scene of one OBJ is the same in both formats.
+#[test]
+fn both_formats_say_the_same_of_one_obj() {
+    let one = SceneFolder::new().load().unwrap();
+    let two = SceneFolder::new().json(|scene| {
+        scene["format"] = json!(2);
+        let obj = scene.as_object_mut().unwrap().remove("obj").unwrap();
+        scene["meshes"] = json!([{ "file": obj }]);
+    });
+    assert_eq!(one, two.load().unwrap());
+    let still = SceneFolder::new().json(|scene| {
+        scene["format"] = json!(2);
+        scene.as_object_mut().unwrap().remove("obj");
+        scene["meshes"] = json!([{"file": "a.obj", "transform": {"translate": [0, 0, 0]}}]);
+    });
+    assert_eq!(one, still.load().unwrap());
+}
+
+/// The keys that the reader knows where `at` is: it tells them to whoever gives another one.
+fn keys_of_the_reader(at: &str) -> BTreeSet<String> {
+    let mut scene = whole();
+    // Alone, so that it is the first one that is read.
+    *scene.pointer_mut(at).unwrap() = json!({"zzz": 0});
+    if at.is_empty() {
+        scene["format"] = json!(2);
+        // Sorted by name, it would come after the others.
+        scene = json!({"format": 2, "Zzz": 0});
+    }
+    let message = folder(&scene).error();
+    let (_, known) = message.split_once("expected ").expect(&message);
+    known.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+/// The schema knows the keys that the reader knows, and no others.
+#[test]
+fn the_schema_has_the_keys_of_the_reader() {
+    let schema: Value = serde_json::from_str(SCHEMA).unwrap();
+    let places: BTreeMap<&str, &str> = [
+        ("", ""),
+        ("/film", "film"),
+        ("/camera", "camera"),
+        ("/meshes/0", "mesh"),
+        ("/meshes/0/transform", "transform"),
+        ("/materials/wall", "material"),
+        ("/materials/glow/reflectance", "colour_texture"),
+        ("/materials/glow/textures", "textures"),
+        ("/materials/glow/textures/roughness", "channel_texture"),
+        ("/materials/glow/textures/normal", "normal_texture"),
+        ("/materials/glow/textures/emission", "emission_texture"),
+        ("/quads/0", "quad"),
+        ("/lights/0", "light"),
+        ("/environment", "environment"),
+        ("/integrator", "integrator"),
+    ]
+    .into();
+    for (at, definition) in &places {
+        let object =
+            if definition.is_empty() { &schema } else { &schema["definitions"][definition] };
+        assert_eq!(object["additionalProperties"], json!(false), "{definition}");
+        let keys = object["properties"].as_object().unwrap().keys().cloned().collect();
+        assert_eq!(keys_of_the_reader(at), keys, "{at}");
+    }
+    let definitions = schema["definitions"].as_object().unwrap();
+    for (name, definition) in definitions {
+        let is_looked_at = places.values().any(|known| known == name);
+        assert!(is_looked_at || definition.get("properties").is_none(), "{name}");
+    }
+}
+
+/// What the schema asks for, the reader asks for as well.
+#[test]
+fn what_is_required_is_missed() {
+    let schema: Value = serde_json::from_str(SCHEMA).unwrap();
+    for (at, definition) in [
+        ("", ""),
+        ("/film", "film"),
+        ("/camera", "camera"),
+        ("/quads/0", "quad"),
+        ("/meshes/0", "mesh"),
+        ("/materials/wall", "material"),
+        ("/lights/0", "light"),
+    ] {
+        let object =
+            if definition.is_empty() { &schema } else { &schema["definitions"][definition] };
+        for key in object["required"].as_array().unwrap() {
+            let mut scene = whole();
+            let key = key.as_str().unwrap();
+            scene.pointer_mut(at).unwrap().as_object_mut().unwrap().remove(key);
+            let message = folder(&scene).error();
+            assert!(message.contains("missing field") && message.contains(key), "{at}: {message}");
+        }
+    }
+}
