@@ -22,7 +22,7 @@ fn picture() -> Texture {
     texels[3] = [255, 128, 0, 255];
     texels[11] = [40, 90, 250, 255];
     texels[12] = [200, 200, 200, 0];
-    Texture { width: 5, height: 3, texels, wrap: Default::default() }
+    Texture::new(5, 3, texels)
 }
 
 /// A square lamp that hangs over a floor and shows the picture once, cut into `parts` strips; a

@@ -7,6 +7,7 @@ use raystream::exec::cpu::CpuExecutor;
 use raystream::render::PreparedScene;
 use raystream::scene::{Material, Mesh, Opacity, Principled, Scene, Texture};
 use raystream_shaders::math::random::{hash, unit_float};
+use raystream_shaders::scene::bvh::Order;
 use raystream_shaders::scene::ray::{Hit, Ray};
 use raystream_tests::statistics::assert_chi_square;
 use raystream_tests::{prepare, scenes, with_gpu};
@@ -18,8 +19,7 @@ fn paint(opacity: Opacity) -> Material {
 /// A texture of four columns, of which the second and the last are holes.
 fn add_grating(scene: &mut Scene) -> Material {
     let texels = [255, 0, 255, 0].map(|alpha| [255, 255, 255, alpha]).to_vec();
-    let texture =
-        scene.add_texture(Texture { width: 4, height: 1, texels, wrap: Default::default() });
+    let texture = scene.add_texture(Texture::new(4, 1, texels));
     let grating = Principled::paint(Vec3::ONE, 0.5);
     let mut maps = grating.maps;
     maps.base_colour = Some(texture);
@@ -75,11 +75,12 @@ fn traced<E: Executor>(executor: &E, scene: &PreparedScene, rays: &[Ray]) -> Vec
 /// The heights that a ray finds, downwards, until it misses.
 fn heights_along(scene: &PreparedScene, ray: Ray) -> Vec<f32> {
     let view = scene.view();
+    let behind = Order { any: false, behind: true };
     let mut found = Vec::new();
     let mut hit = view.closest_hit(&ray);
     while hit.is_some() {
         found.push(ray.origin.z - hit.t);
-        hit = view.bvh.closest_hit_behind(&ray, &hit);
+        hit = view.bvh.traverse(&ray, &hit, behind);
     }
     found
 }

@@ -219,8 +219,7 @@ pub fn picture_lamp(ball: Material) -> Scene {
         2 => [20, 200, 255 - 3 * k, 255],
         _ => [60, 60, 60, 255],
     });
-    let texture =
-        Texture { width: 8, height: 4, texels: texels.collect(), wrap: Default::default() };
+    let texture = Texture::new(8, 4, texels.collect());
     let emission = Some(scene.add_texture(texture));
     let maps = Maps { emission, ..Maps::default() };
     let glowing = Principled {

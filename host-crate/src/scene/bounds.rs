@@ -79,24 +79,13 @@ pub(super) fn radiance(values: &[f64]) -> Result<Vec3, String> {
 /// An index of refraction.
 pub(super) fn ior(value: f64) -> Result<f32, String> {
     let (low, high) = (MAX_IOR.recip(), MAX_IOR);
-    // Rounded first: what was accepted once is accepted when it comes back as an f32.
-    let rounded = value as f32;
-    if (low as f32..=high as f32).contains(&rounded) {
-        Ok(rounded)
-    } else {
-        Err(format!("must be from {low} to {high}, is {value}"))
-    }
+    rounded(value, low, high).ok_or_else(|| format!("must be from {low} to {high}, is {value}"))
 }
 
 /// A distance after which light in a body is coloured, in world units.
 pub(super) fn attenuation_distance(value: f64) -> Result<f32, String> {
     let (low, high) = (MAX_ATTENUATION_DISTANCE.recip(), MAX_ATTENUATION_DISTANCE);
-    let rounded = value as f32;
-    if (low as f32..=high as f32).contains(&rounded) {
-        Ok(rounded)
-    } else {
-        Err(format!("must be from {low:e} to {high:e}, is {value}"))
-    }
+    rounded(value, low, high).ok_or_else(|| format!("must be from {low:e} to {high:e}, is {value}"))
 }
 
 /// An angle of view in degrees.
@@ -171,6 +160,12 @@ pub(super) fn rotation(value: f64) -> Result<f32, String> {
 /// What the radiances of an environment are multiplied by.
 pub(super) fn strength(value: f64) -> Result<f32, String> {
     within(value, 0.0..=MAX_STRENGTH)
+}
+
+/// A number as an f32 has it, if that lies between these as an f32 has them: what was accepted once
+/// is accepted when it comes back as an f32.
+fn rounded(value: f64, low: f64, high: f64) -> Option<f32> {
+    Some(value as f32).filter(|rounded| (low as f32..=high as f32).contains(rounded))
 }
 
 /// A number within `allowed`.

@@ -269,9 +269,17 @@ impl Material {
         }
     }
 
+    /// The principled material that it is; none for others.
+    pub fn principled(&self) -> Option<&Principled> {
+        match self {
+            Self::Principled(principled) => Some(principled),
+            _ => None,
+        }
+    }
+
     /// Whether it may have holes, by the alpha of its texture too.
     pub fn has_holes(&self) -> bool {
-        matches!(self, Self::Principled(material) if material.opacity != Opacity::Opaque)
+        self.principled().is_some_and(|principled| principled.opacity != Opacity::Opaque)
     }
 
     /// The same material with another colour of paint or metal; others have none to change.

@@ -45,7 +45,7 @@ pub fn arriving(degrees: f32, is_above: bool) -> Vec3 {
 pub fn met<'a>(floor: &'a PreparedScene, incoming: Vec3) -> Bsdf<'a, Fixed<ALL>> {
     let view = floor.view();
     let ray = Ray::new(Vec3::new(0.1, 0.2, 0.0) - incoming, incoming);
-    let hit = view.bvh.closest_hit(&ray);
+    let hit = view.closest_hit(&ray);
     assert!(hit.is_some(), "along {incoming}");
     Surface::at(&view.surfaces, &ray, &hit).bsdf
 }

@@ -98,7 +98,7 @@ mod tests {
     fn the_mean_is_that_under_the_triangle() {
         // The left half is black, the right half is white.
         let texels = (0..64).map(|k| [if k % 8 < 4 { 0 } else { 255 }; 4]).collect();
-        let textures = pack(&[Texture { width: 8, height: 8, texels, wrap: Default::default() }]);
+        let textures = pack(&[Texture::new(8, 8, texels)]);
         let view = TextureView::new(&textures.words);
         let of = |uv0: [f32; 2], uv1: [f32; 2], uv2: [f32; 2]| {
             let map = EmissionMap { uv0, uv1, uv2, texture: textures.places[0], pad: 0 };

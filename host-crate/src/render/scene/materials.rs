@@ -31,14 +31,13 @@ pub struct Layered {
 
 /// The same for all of a scene's materials; nothing where none is principled.
 pub fn layered(scene: &Scene, places: &[u32]) -> Layered {
-    let is_principled = |material: &Material| matches!(material, Material::Principled(_));
-    if !scene.materials.iter().any(is_principled) {
+    if !scene.materials.iter().any(|material| material.principled().is_some()) {
         return Layered { layers: Vec::new(), albedos: Vec::new() };
     }
     let mut tables = Tables::new(scene.materials.len() as u32);
-    let layers = scene.materials.iter().map(|material| match material {
-        Material::Principled(principled) => layers(principled, &mut tables, places),
-        _ => Layers::NONE,
+    let layers = scene.materials.iter().map(|material| {
+        let of = |principled| layers(principled, &mut tables, places);
+        material.principled().map_or(Layers::NONE, of)
     });
     let layers = layers.collect();
     Layered { layers, albedos: tables.rows }

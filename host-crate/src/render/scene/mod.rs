@@ -20,7 +20,7 @@ use self::materials::Layered;
 use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
-use crate::scene::{Camera, Material, PathLimits, Projection, Scene};
+use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec4, Vec3};
 use raystream_shaders::scene::abilities::{
@@ -153,7 +153,7 @@ impl PreparedScene {
 
     /// Copies it to a device, for kernels that know of no settings.
     pub fn buffers<E: Executor>(&self, executor: &E) -> Result<SceneBuffers<E::Buffer>, ExecError> {
-        SceneBuffers::new(executor, self.abilities, &self.geometry, &self.surfaces, &self.texels)
+        self.buffers_for(executor, 0)
     }
 }
 
@@ -161,11 +161,10 @@ impl PreparedScene {
 fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
     let has_textures = any(|material| material.textures().next().is_some());
-    let is_principled = any(|material| matches!(material, Material::Principled(_)));
-    let has_cover = any(|material| matches!(material, Material::Principled(p) if p.has_cover()));
+    let is_principled = any(|material| material.principled().is_some());
+    let has_cover = any(|m| m.principled().is_some_and(Principled::has_cover));
     let has_holes = any(Material::has_holes);
-    let absorbs =
-        any(|material| matches!(material, Material::Principled(p) if p.absorption() != Vec3::ZERO));
+    let absorbs = any(|m| m.principled().is_some_and(|p| p.absorption() != Vec3::ZERO));
     let has_environment = params.environment != NO_ENVIRONMENT;
     let is_pinhole = matches!(scene.camera.projection, Projection::Perspective { .. })
         && !scene.camera.projection.has_lens();

@@ -113,7 +113,7 @@ pub(super) fn load(
 /// glows on it is no lamp.
 fn has_lamp(scene: &Scene) -> bool {
     let shines = |material: &Material| {
-        let is_mapped = matches!(material, Material::Principled(p) if p.maps.emission.is_some());
+        let is_mapped = material.principled().is_some_and(|p| p.maps.emission.is_some());
         material.radiance() != Vec3::ZERO && !is_mapped
     };
     !scene.punctual_lights.is_empty() || scene.materials.iter().any(shines)

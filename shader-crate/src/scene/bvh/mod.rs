@@ -62,25 +62,10 @@ impl<'a> BvhView<'a> {
         Self { rows, first_planes, first_order }
     }
 
-    /// The nearest triangle that `ray` hits in `0 < t < ray.t_max`; of several the first in the
-    /// scene.
-    #[inline(always)]
-    pub fn closest_hit(&self, ray: &Ray) -> Hit {
-        self.traverse(ray, &Hit::miss(0.0), Order::NEAREST)
-    }
-
-    /// The next hit of `ray` behind `passed`, which is one of its hits.
-    #[inline(always)]
-    pub fn closest_hit_behind(&self, ray: &Ray, passed: &Hit) -> Hit {
-        self.traverse(ray, passed, Order { any: false, behind: true })
-    }
-
-    /// Whether `ray` hits any triangle in `0 < t < ray.t_max`.
-    #[inline(always)]
-    pub fn is_occluded(&self, ray: &Ray) -> bool {
-        self.traverse(ray, &Hit::miss(0.0), Order { any: true, behind: false }).is_some()
-    }
-
+    /// The triangle that `ray` hits in `0 < t < ray.t_max`, by the `order`: the nearest, of several
+    /// the first in the scene, unless any will do; behind `passed`, one of its hits, if that is
+    /// asked for.
+    ///
     /// In turns: a ray that has triangles to test tests two of them, one that has none visits a
     /// node first.
     ///

@@ -1,6 +1,7 @@
 //! What lies over a surface and what it encloses: coats, sheen, volumes.
 
-use super::described::{FOLLOWS_MEAN, Reader};
+use super::ALPHA;
+use super::described::Reader;
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
 use crate::scene::material::{Attenuation, Principled};
@@ -10,7 +11,6 @@ use gltf::json::Value;
 use gltf::json::material::Material;
 use gltf::json::texture::Info;
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
 const SHEEN: &str = "KHR_materials_sheen";
@@ -90,13 +90,9 @@ impl Reader<'_, '_> {
         if plain.sheen == Vec3::ZERO {
             return Ok(());
         }
-        let thing = "sheenColorTexture";
-        if let Some(slot) = self.slot(sheen.sheen_color_texture.as_ref(), thing)? {
-            self.note(FOLLOWS_MEAN, thing);
-            plain.sheen *= self.sources.textures.pictures.get(slot.texture).mean();
-        }
+        plain.sheen *= self.mean(sheen.sheen_color_texture.as_ref(), "sheenColorTexture")?;
         let roughness = sheen.sheen_roughness_texture.as_ref();
-        plain.sheen_roughness *= self.mean_code(roughness, "sheenRoughnessTexture", 3)?;
+        plain.sheen_roughness *= self.mean_code(roughness, "sheenRoughnessTexture", ALPHA)?;
         Ok(())
     }
 
@@ -115,31 +111,5 @@ impl Reader<'_, '_> {
                 "attenuationDistance",
             ),
         }
-    }
-
-    /// The mean of a channel of a texture; 1 if there is none.
-    fn mean_code(
-        &mut self,
-        texture: Option<&Info>,
-        thing: &str,
-        channel: usize,
-    ) -> Result<f32, SceneError> {
-        let Some(slot) = self.slot(texture, thing)? else { return Ok(1.0) };
-        self.note(FOLLOWS_MEAN, thing);
-        Ok(self.sources.textures.pictures.get(slot.texture).mean_code(channel))
-    }
-
-    /// What the file has under this name, if anything.
-    fn extension<T: DeserializeOwned>(
-        &self,
-        json: &Material,
-        name: &str,
-    ) -> Result<Option<T>, SceneError> {
-        let others = json.extensions.as_ref().map(|all| &all.others);
-        let Some(value) = others.and_then(|others| others.get(name)) else { return Ok(None) };
-        let place = format!("{}.extensions.{name}", self.place);
-        let fail =
-            |error: serde_json::Error| self.sources.document.wrong(&place, error.to_string());
-        T::deserialize(value).map(Some).map_err(fail)
     }
 }

@@ -1,5 +1,6 @@
 //! What a file says that a material is.
 
+use super::ALPHA;
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
 use crate::scene::gltf::document::Document;
@@ -14,15 +15,15 @@ use glam::{DVec3, Vec3};
 use gltf::json::material::{AlphaMode, Material, NormalTexture};
 use gltf::json::texture::Info;
 use gltf::json::validation::Checked::{self, Valid};
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use std::ops::RangeInclusive;
 
-pub(super) const CLAMPED: Fate = Fate::Becomes("values beyond their range are brought into it: ");
+const CLAMPED: Fate = Fate::Becomes("values beyond their range are brought into it: ");
 const ONE_LAYOUT: Fate = Fate::Becomes(
     "a material has one set of texture coordinates and one transform of them here, its first \
      texture's; these textures are laid by it too: ",
 );
-pub(super) const FOLLOWS_MEAN: Fate = Fate::Becomes("these textures are shown in their mean: ");
+const FOLLOWS_MEAN: Fate = Fate::Becomes("these textures are shown in their mean: ");
 const MATT: Fate = Fate::Becomes("what shall not be lit is paint here, lit like all else: ");
 /// What index of refraction stands for a surface that reflects all (0 in a file).
 const REFLECTS_ALL: f64 = 100.0;
@@ -106,7 +107,7 @@ impl Reader<'_, '_> {
     }
 
     fn read(mut self, json: &Material) -> Result<Described, SceneError> {
-        let older = self.older_model(json)?;
+        let older: Option<SpecularGlossiness> = self.extension(json, SPECULAR_GLOSSINESS)?;
         let extensions = json.extensions.as_ref();
         let (base, base_texture) = match &older {
             Some(older) => (older.diffuse_factor, older.diffuse_texture.as_ref()),
@@ -165,18 +166,6 @@ impl Reader<'_, '_> {
         Ok(described)
     }
 
-    /// The older model of materials, if the file has one for this.
-    fn older_model(&self, json: &Material) -> Result<Option<SpecularGlossiness>, SceneError> {
-        let others = json.extensions.as_ref().map(|all| &all.others);
-        let Some(value) = others.and_then(|others| others.get(SPECULAR_GLOSSINESS)) else {
-            return Ok(None);
-        };
-        let place = format!("{}.extensions.{SPECULAR_GLOSSINESS}", self.place);
-        let fail =
-            |error: serde_json::Error| self.sources.document.wrong(&place, error.to_string());
-        SpecularGlossiness::deserialize(value).map(Some).map_err(fail)
-    }
-
     fn specular_glossiness(
         &mut self,
         older: &SpecularGlossiness,
@@ -189,7 +178,7 @@ impl Reader<'_, '_> {
             self.note(FOLLOWS_MEAN, thing);
             let texture = self.sources.textures.pictures.get(slot.texture);
             specular *= texture.mean();
-            gloss *= texture.mean_code(3);
+            gloss *= texture.mean_code(ALPHA);
         }
         plain.roughness = 1.0 - gloss;
         let straight = (plain.ior - 1.0) / (plain.ior + 1.0);
@@ -210,20 +199,15 @@ impl Reader<'_, '_> {
         }
         if let Some(specular) = &extensions.specular {
             let mut factor = self.share("specularFactor", specular.specular_factor.0);
-            if let Some(slot) = self.slot(specular.specular_texture.as_ref(), "specularTexture")? {
-                self.note(FOLLOWS_MEAN, "specularTexture");
-                factor *= self.sources.textures.pictures.get(slot.texture).mean_code(3);
-            }
-            let thing = "specularColorTexture";
+            let texture = specular.specular_texture.as_ref();
+            factor *= self.mean_code(texture, "specularTexture", ALPHA)?;
             let colour = specular.specular_color_factor.0.map(f64::from);
             let mut colour = bounds::factor(&colour).unwrap_or_else(|_| {
                 self.note(CLAMPED, "specularColorFactor");
                 clamped(colour, 0.0..=1.0)
             });
-            if let Some(slot) = self.slot(specular.specular_color_texture.as_ref(), thing)? {
-                self.note(FOLLOWS_MEAN, thing);
-                colour *= self.sources.textures.pictures.get(slot.texture).mean();
-            }
+            let texture = specular.specular_color_texture.as_ref();
+            colour *= self.mean(texture, "specularColorTexture")?;
             if factor < 1.0 {
                 let what = "reflection at grazing angles is not made less by specularFactor: ";
                 self.note(Fate::Judged(what), "specularFactor");
@@ -336,6 +320,39 @@ impl Reader<'_, '_> {
                 self.note(ONE_LAYOUT, thing);
             }
         }
+    }
+
+    /// The mean colour of a texture; white if there is none.
+    pub(super) fn mean(&mut self, texture: Option<&Info>, thing: &str) -> Result<Vec3, SceneError> {
+        let Some(slot) = self.slot(texture, thing)? else { return Ok(Vec3::ONE) };
+        self.note(FOLLOWS_MEAN, thing);
+        Ok(self.sources.textures.pictures.get(slot.texture).mean())
+    }
+
+    /// The mean of a channel of a texture; 1 if there is none.
+    pub(super) fn mean_code(
+        &mut self,
+        texture: Option<&Info>,
+        thing: &str,
+        channel: usize,
+    ) -> Result<f32, SceneError> {
+        let Some(slot) = self.slot(texture, thing)? else { return Ok(1.0) };
+        self.note(FOLLOWS_MEAN, thing);
+        Ok(self.sources.textures.pictures.get(slot.texture).mean_code(channel))
+    }
+
+    /// What the file has under this name, if anything.
+    pub(super) fn extension<T: DeserializeOwned>(
+        &self,
+        json: &Material,
+        name: &str,
+    ) -> Result<Option<T>, SceneError> {
+        let others = json.extensions.as_ref().map(|all| &all.others);
+        let Some(value) = others.and_then(|others| others.get(name)) else { return Ok(None) };
+        let place = format!("{}.extensions.{name}", self.place);
+        let fail =
+            |error: serde_json::Error| self.sources.document.wrong(&place, error.to_string());
+        T::deserialize(value).map(Some).map_err(fail)
     }
 
     /// A share in [0, 1].
