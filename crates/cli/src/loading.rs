@@ -74,8 +74,7 @@ impl LoadArguments {
     /// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; `-`
     /// is standard input. Prints its warnings and, unless `quiet`, that it takes long.
     pub fn load_scene(&self, name: &Path, quiet: bool) -> Result<Scene, SceneError> {
-        let mut scene = self.load_silently(name, quiet)?;
-        self.view.change(&mut scene.camera);
+        let scene = self.load_silently(name, quiet)?;
         for warning in &scene.warnings {
             say(&format!("warning: {warning}"));
         }
@@ -100,6 +99,7 @@ impl LoadArguments {
         if let Some(camera) = &self.camera {
             scene.use_camera(camera)?;
         }
+        self.view.change(&mut scene.camera);
         self.environment.light(&mut scene, options)?;
         Ok(scene)
     }

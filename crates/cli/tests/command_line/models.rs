@@ -64,6 +64,9 @@ fn a_scene_is_inspected() {
     assert!(value["memory"]["geometry"].as_u64().unwrap() > 0);
     assert!(value["warnings"].to_string().contains("thin films are left out"));
     assert_eq!(chosen.stderr, "", "warnings are among what is printed");
+    let around = run(folder, "inspect a.glb --json --panorama").succeeded();
+    let value: Value = serde_json::from_str(&around.stdout).unwrap();
+    assert_eq!(value["camera"]["projection"]["type"], "panorama");
     let shipped = run(folder, "inspect cornell_ball --json").succeeded();
     let value: Value = serde_json::from_str(&shipped.stdout).unwrap();
     assert_eq!(value["name"], "cornell_ball");
