@@ -1,9 +1,8 @@
 //! The table of kernels as data, made from [`raystream_shaders::for_each_kernel!`].
 
-use super::native::{NativeArguments, NativeBinding};
+use super::native::{Job, NativeArguments, NativeBinding, part_of, run_all};
 use super::{Launch, SceneBuffers, View};
 use bytemuck::Pod;
-use rayon::prelude::*;
 use raystream_shaders::levels::Level;
 use raystream_shaders::memory::access::{Atomics, Scatter};
 use raystream_shaders::parallel::prefix::Lane;
@@ -121,7 +120,7 @@ macro_rules! kernels {
                             let mut views = arguments.views.into_iter();
                             $(
                                 let $scene =
-                                    scene_view(arguments.abilities, &$parameters, &mut views);
+                                    &scene_view(arguments.abilities, &$parameters, &mut views);
                             )?
                             $(let $read: &[$Read] = slice(views.next());)*
                             $(let $written: &mut [$Written] = slice_mut(views.next());)*
@@ -130,7 +129,7 @@ macro_rules! kernels {
                             native_loop! {
                                 [$($phases, $Memory)?] [$workgroup]
                                 (function!([$($scene)?] $name $function)), $parameters,
-                                ($(&$scene,)? $($read,)*)
+                                ($($scene,)? $($read,)*)
                                 ($($written)*) ($($scattered)*) ($($atomic)*)
                             }
                         }
@@ -210,41 +209,60 @@ macro_rules! native_loop {
         ($($passed:expr,)*) ($($written:ident)*) ($($scattered:ident)*) ($($atomic:ident)*)
     ) => {
         let threads = $parameters.threads;
-        let lanes = (0..threads).into_par_iter();
-        (lanes, $($written[..threads as usize].par_iter_mut(),)*).into_par_iter().for_each(
-            |(lane, $($written,)*)| {
-                $function(
-                    lane,
-                    &$parameters,
-                    $($passed,)*
-                    $($written,)*
-                    $(&mut { $scattered },)*
-                    $(&mut { $atomic },)*
-                );
-            },
-        );
+        let part = part_of(threads);
+        $(let mut $written = $written[..threads as usize].chunks_mut(part as usize);)*
+        let mut jobs: Vec<Job<'_>> = Vec::new();
+        for first in (0..threads).step_by(part as usize) {
+            let lanes = first..threads.min(first + part);
+            let parameters = &$parameters;
+            $(let $written = $written.next().unwrap_or_default();)*
+            jobs.push(Box::new(move || {
+                $(let mut $written = $written.iter_mut();)*
+                for lane in lanes {
+                    $(let Some($written) = $written.next() else { return };)*
+                    $function(
+                        lane,
+                        parameters,
+                        $($passed,)*
+                        $($written,)*
+                        $(&mut { $scattered },)*
+                        $(&mut { $atomic },)*
+                    );
+                }
+            }));
+        }
+        run_all(jobs);
     };
     (
         [$phases:expr, $Memory:ty] [$workgroup:tt] $function:expr, $parameters:ident,
         ($($passed:expr,)*) () ($($scattered:ident)*) ($($atomic:ident)*)
     ) => {
-        (0..$parameters.threads.div_ceil($workgroup)).into_par_iter().for_each(|group| {
-            let mut memory: $Memory = [0; size_of::<$Memory>() / size_of::<u32>()];
-            for phase in 0..$phases {
-                for index in 0..$workgroup {
-                    let lane = Lane { group, index };
-                    $function(
-                        phase,
-                        lane,
-                        &$parameters,
-                        $($passed,)*
-                        $(&mut { $scattered },)*
-                        $(&mut { $atomic },)*
-                        &mut memory,
-                    );
+        let groups = $parameters.threads.div_ceil($workgroup);
+        let part = part_of(groups);
+        let mut jobs: Vec<Job<'_>> = Vec::new();
+        for first in (0..groups).step_by(part as usize) {
+            let parameters = &$parameters;
+            jobs.push(Box::new(move || {
+                for group in first..groups.min(first + part) {
+                    let mut memory: $Memory = [0; size_of::<$Memory>() / size_of::<u32>()];
+                    for phase in 0..$phases {
+                        for index in 0..$workgroup {
+                            let lane = Lane { group, index };
+                            $function(
+                                phase,
+                                lane,
+                                parameters,
+                                $($passed,)*
+                                $(&mut { $scattered },)*
+                                $(&mut { $atomic },)*
+                                &mut memory,
+                            );
+                        }
+                    }
                 }
-            }
-        });
+            }));
+        }
+        run_all(jobs);
     };
 }
 raystream_shaders::for_each_kernel!(kernels);

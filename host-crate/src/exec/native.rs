@@ -1,6 +1,7 @@
-//! What a kernel's native function is given.
+//! What a kernel's native function is given, and how it shares its lanes out among threads.
 
 use bytemuck::{AnyBitPattern, Pod};
+use rayon::prelude::*;
 use std::sync::atomic::AtomicU32;
 
 /// The bindings of one launch on the CPU.
@@ -64,4 +65,25 @@ impl<'a> NativeBinding<'a> {
         // the result nobody else has the words, which this exclusive borrow shows.
         unsafe { &*(std::ptr::from_mut(words) as *const [AtomicU32]) }
     }
+}
+
+/// Some of a kernel's lanes.
+pub type Job<'a> = Box<dyn FnOnce() + Send + 'a>;
+
+/// How many lanes (or workgroups) of `len` make a job: few enough that no thread waits long for the
+/// last, at most [`LARGEST_PART`], at least 1.
+pub fn part_of(len: u32) -> u32 {
+    len.div_ceil(JOBS_PER_THREAD * rayon::current_num_threads() as u32).clamp(1, LARGEST_PART)
+}
+
+/// Jobs that each thread gets of a launch, on average.
+const JOBS_PER_THREAD: u32 = 64;
+
+/// Lanes of one job at most.
+const LARGEST_PART: u32 = 4096;
+
+/// Runs all jobs on rayon's threads. It is no generic function on purpose: rayon's machinery is
+/// then compiled once and not for each kernel, which took a quarter of the library's compile time.
+pub fn run_all(jobs: Vec<Job<'_>>) {
+    jobs.into_par_iter().with_max_len(1).for_each(|job| job());
 }
