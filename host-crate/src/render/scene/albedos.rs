@@ -8,7 +8,8 @@ use raystream_shaders::scene::bsdf::boundary::{dielectric_fresnel, refract};
 use raystream_shaders::scene::bsdf::ggx::Ggx;
 use raystream_shaders::scene::bsdf::reflector::grazing;
 use raystream_shaders::scene::bsdf::sheen;
-use std::sync::OnceLock;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Points of the lattice over which directions are integrated, and its generator: two Fibonacci
 /// numbers, one after the other (Niederreiter, "Random Number Generation and Quasi-Monte Carlo
@@ -25,13 +26,20 @@ pub fn of_surface() -> &'static [UVec4] {
     TABLE.get_or_init(|| tabulate(surface))
 }
 
-/// The rows of the table of a boundary of this index of refraction: how much light one microfacet
-/// sends on that is seen from outside, and from inside.
-pub fn of_boundary(ior: f32) -> Vec<UVec4> {
-    tabulate(|roughness, cosine| {
+/// The rows of the table of a boundary of this index of refraction, which is made once: how much
+/// light one microfacet sends on that is seen from outside, and from inside.
+pub fn of_boundary(ior: f32) -> Arc<[UVec4]> {
+    static TABLES: Mutex<BTreeMap<u32, Arc<[UVec4]>>> = Mutex::new(BTreeMap::new());
+    let tables = || TABLES.lock().unwrap_or_else(PoisonError::into_inner);
+    // Nobody else waits while it is made: two may make the same one.
+    if let Some(table) = tables().get(&ior.to_bits()) {
+        return table.clone();
+    }
+    let table = tabulate(|roughness, cosine| {
         let side = |from_outside| boundary(roughness, cosine, ior, from_outside);
         Vec2::new(side(true), side(false))
-    })
+    });
+    tables().entry(ior.to_bits()).or_insert(table.into()).clone()
 }
 
 /// The rows of the table of sheen, which is made once: how much it reflects, and nothing.
