@@ -23,11 +23,12 @@ fn assert_same_bytes(found: &[Contribution], expected: &[Contribution], what: &s
 
 /// Streams shorter than the pool, as long, longer by a multiple and by any number; pools of a lane,
 /// of parts of a workgroup, beyond a block.
-const POOLS: [u32; 7] = [1, 63, 100, 600, 1500, 2999, 3000];
+const POOLS: [u32; 7] = [1, 63, 100, 300, 600, 1199, SLOTS];
+const SLOTS: u32 = 1200;
 
 #[test]
 fn contributions_are_the_megakernels_on_the_cpu() {
-    for case in cases(3000) {
+    for case in cases(SLOTS) {
         let expected = case.megakernel(&CpuExecutor, case.all());
         assert!(
             expected.iter().any(|c| c.radiance.max_element() > 0.0),
@@ -49,7 +50,7 @@ fn contributions_are_the_megakernels_on_the_cpu() {
                     continue;
                 }
                 let what = format!("{kind:?}, pool of {pool}, {}", case.name);
-                let integrator = integrator(&CpuExecutor, kind, 3000, pool);
+                let integrator = integrator(&CpuExecutor, kind, SLOTS, pool);
                 assert_same_bytes(
                     &case.trace(&CpuExecutor, integrator.as_ref(), case.all()).0,
                     &expected,

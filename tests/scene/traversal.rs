@@ -106,7 +106,7 @@ fn primary_rays_find_their_hits() {
     for scene in scenes {
         let settings = settings(&scene);
         let prepared = prepare(&scene);
-        let rays = primary_rays(&prepared, FilmSize { width: 160, height: 120 }, &settings);
+        let rays = primary_rays(&prepared, FilmSize { width: 80, height: 60 }, &settings);
         assert_hits_are_exact(&prepared, &rays, &scene.name);
     }
 }
