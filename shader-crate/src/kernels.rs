@@ -337,6 +337,8 @@ macro_rules! for_each_kernel {
             control_guides[256] = $crate::film::control::control_guides {
                 uniform parameters: $crate::film::control::ControlParams,
                 read differences: $crate::glam::Vec4,
+                read blurred: $crate::glam::Vec4,
+                write counts: $crate::glam::Vec4,
                 write guided: $crate::glam::Vec4,
             }
             /// Blurs along rows or columns.
@@ -349,10 +351,11 @@ macro_rules! for_each_kernel {
             control_shares[256] = $crate::film::control::control_shares {
                 uniform parameters: $crate::film::control::ControlParams,
                 read guided: $crate::glam::Vec4,
+                read corrections: $crate::glam::Vec4,
                 read blurred: $crate::glam::Vec4,
                 write shares: $crate::glam::Vec4,
             }
-            /// Puts together what pixels are given.
+            /// Adds up what pixels are given.
             control_corrections[256] = $crate::film::control::control_corrections {
                 uniform parameters: $crate::film::control::ControlParams,
                 read guided: $crate::glam::Vec4,

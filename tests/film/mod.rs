@@ -1,5 +1,6 @@
 //! The film.
 
 mod accumulate;
+mod control;
 mod pixel_filter;
 mod sums;

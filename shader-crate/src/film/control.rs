@@ -11,12 +11,21 @@
 //! Z_p = X_p + sum over q of w_pq h_q,   w_pq = g_p G_pq / (sum over r of g_r G_rq),
 //! ```
 //!
-//! with Gaussian weights `G` of pixel distance, and a **guide** `g`, the standard error of `X`: the
-//! deviation of the samples about a pixel by the root of the pixel's own count. So pixel `q` gives
-//! what it is short of to its neighbours, most of it to those that are as noisy as itself and have
-//! had few samples, for these are the ones that counts have biased: none to a white wall beside a
-//! caustic, and little to pixels of the caustic that have long been found. The noise of `Y` goes the
-//! same way, so that every pixel's grows by the same small part of what it has already.
+//! with Gaussian weights `G` of pixel distance, and a **guide** `g`, the root of the standard error
+//! of `X`: of the deviation of the samples around a pixel by the root of the pixel's own count. So
+//! pixel `q` gives what it is short of to its neighbours, most of it to those that are as noisy as
+//! itself and have had few samples, for these are the ones that counts have biased: little to a
+//! white wall beside a caustic, and little to pixels of the caustic that have long been found. The
+//! root stands between the standard error itself, by which light flows from where bright paths are
+//! still to be found to where they have been, and no guide at all, by which noise flows into calm
+//! pixels.
+//!
+//! How wide `G` is depends on the pixel that gives. Of the variance of `Y_q` the part
+//! `1 / (4 pi sigma^2)` gets into the picture, and `Y_q` has as many times the variance of `X_q` as
+//! `q` has samples for each of the control film's. Where these are few, the difference goes to the
+//! next pixels, so that the bias is taken out where it is; where they are many, it is spread over
+//! more: [`control_shares`] is run once for each **level** of such ratios, of which each has a
+//! Gaussian of its own.
 //!
 //! What is proved: for each `q` the weights add up to 1, so the sums of `Z` and of `Y` over the
 //! picture are the same number, and the expectation of `Y` is the true one. What is not: the bias
@@ -33,7 +42,7 @@ use crate::memory::device_struct;
 use spirv_std::num_traits::Float as _;
 
 device_struct! {
-    /// The parameters of a pass over the pixels of a control film. 32 bytes.
+    /// The parameters of a pass over the pixels of a control film. 48 bytes.
     pub struct ControlParams {
         /// Pixels of the pass.
         pub threads: u32,
@@ -49,19 +58,24 @@ device_struct! {
         pub radius: u32,
         /// Its weights are `exp(-factor d^2)` of the distance `d` in pixels.
         pub factor: f32,
+        /// The level has the pixels with this many samples or more for each of the control film's;
+        /// the first level begins at 0.
+        pub lowest: f32,
+        /// And with fewer than this many.
+        pub end: f32,
         /// Unused; zero.
-        pub pad: u32,
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// Unused; zero.
+        pub pad2: u32,
     }
 }
 
-/// Pixels to each side over which the variance of samples is averaged for a guide: that of few
-/// samples is 0 where a rare bright path is still to be found.
-const GUIDE_RADIUS: u32 = 2;
-
-/// Kernel: what the control film differs by from the picture in pixel `lane` of a band, and the
-/// variance of the pixel's samples, the mean over the components, as the last component; 0 where
-/// one of the halves has no samples. Its count goes into the last component of `counts`. Both are in
-/// rows, as in the passes after this.
+/// Kernel: what the control film differs by from the picture in pixel `lane` of a band, and as the
+/// last component the deviation of the pixel's samples, the root of the mean variance of the
+/// components; 0 where one of the halves has no samples. The last two components of `counts` become the pixel's samples
+/// for each of the control film's, and its samples. Both are in rows, as in the passes after this.
 pub fn control_differences(
     lane: u32,
     params: &ControlParams,
@@ -71,8 +85,10 @@ pub fn control_differences(
 ) {
     let (x, y) = pixel_of_rank(params.first_rank + lane, params.width, params.height);
     let (place, pixel) = (y * params.width + x, at(film, lane));
+    let samples = pixel.samples() as f32;
+    let ratio = samples / pixel.first_samples.max(1) as f32;
     differences.set(place, difference(&pixel));
-    counts.set(place, Vec4::ZERO.with_w(pixel.samples() as f32));
+    counts.set(place, Vec4::new(0.0, 0.0, ratio, samples));
 }
 
 fn difference(pixel: &FilmPixel) -> Vec4 {
@@ -86,79 +102,100 @@ fn difference(pixel: &FilmPixel) -> Vec4 {
     if !is_finite_vector(difference) || !is_finite_vector(variances) {
         return Vec4::ZERO;
     }
-    difference.extend((variances.dot(Vec3::ONE) * (1.0 / 3.0)).max(0.0))
+    difference.extend((variances.dot(Vec3::ONE) * (1.0 / 3.0)).max(0.0).sqrt())
 }
 
-/// Kernel: the difference of pixel `lane` with its guide, in the place of its count.
-pub fn control_guides(lane: u32, params: &ControlParams, differences: &[Vec4], guided: &mut Vec4) {
+/// Kernel: the difference of pixel `lane` with its guide. `blurred` are the differences blurred
+/// along rows; the deviations, their last components, are here blurred along columns, too: that of
+/// few samples is 0 where a rare bright path is still to be found. (Variances, averaged, would let
+/// an edge decide for all that is near it.) Of the counts the ratio is kept, as the last component,
+/// behind a correction of nothing.
+pub fn control_guides(
+    lane: u32,
+    params: &ControlParams,
+    differences: &[Vec4],
+    blurred: &[Vec4],
+    counts: &mut Vec4,
+    guided: &mut Vec4,
+) {
     let (x, y) = (lane % params.width, lane / params.width);
-    let right = (x + GUIDE_RADIUS).min(params.width - 1);
-    let bottom = (y + GUIDE_RADIUS).min(params.height - 1);
-    let (mut sum, mut weights) = (0.0, 0.0);
-    let mut row = y - y.min(GUIDE_RADIUS);
-    while row <= bottom {
-        let mut column = x - x.min(GUIDE_RADIUS);
-        while column <= right {
-            // Binomial weights: 6, 4, 1.
-            let weight =
-                binomial(row.max(y) - row.min(y)) * binomial(column.max(x) - column.min(x));
-            sum += weight * at(differences, row * params.width + column).w;
-            weights += weight;
-            column += 1;
-        }
-        row += 1;
-    }
-    let guide = (sum / (weights * guided.w.max(1.0))).sqrt();
-    *guided = at(differences, lane).truncate().extend(guide);
+    let weights = total_weight(params, x, params.width) * total_weight(params, y, params.height);
+    let first = lane - y.min(params.radius) * params.width;
+    let sum = gaussian_sum(params, blurred, y, params.height, first, params.width);
+    let standard_error = sum.w / (weights * counts.w.max(1.0).sqrt());
+    *guided = at(differences, lane).truncate().extend(standard_error.sqrt());
+    *counts = Vec4::ZERO.with_w(counts.z);
 }
 
-fn binomial(distance: u32) -> f32 {
-    if distance == 0 {
-        6.0
-    } else if distance == 1 {
-        4.0
-    } else {
-        1.0
+/// What the weights of a blur add up to at `place` of a row or column of `len` pixels.
+fn total_weight(params: &ControlParams, place: u32, len: u32) -> f32 {
+    let last = (place + params.radius).min(len - 1);
+    let mut tap = place - place.min(params.radius);
+    let mut total = 0.0;
+    while tap <= last {
+        total += weight(params, tap, place);
+        tap += 1;
     }
+    total
+}
+
+fn weight(params: &ControlParams, tap: u32, place: u32) -> f32 {
+    let distance = tap as f32 - place as f32;
+    (-params.factor * distance * distance).exp()
 }
 
 /// Kernel: the sum of values along the row or the column of pixel `lane`, by Gaussian weights that
 /// are 1 at the pixel itself.
 pub fn blur(lane: u32, params: &ControlParams, values: &[Vec4], sum: &mut Vec4) {
     let (x, y) = (lane % params.width, lane / params.width);
-    let (place, end, step) = if params.along_rows != 0 {
+    let (place, len, step) = if params.along_rows != 0 {
         (x, params.width, 1)
     } else {
         (y, params.height, params.width)
     };
-    let reach = place.min(params.radius);
-    let last = (place + params.radius).min(end - 1);
-    let (mut tap, mut index) = (place - reach, lane - reach * step);
+    let first = lane - place.min(params.radius) * step;
+    *sum = gaussian_sum(params, values, place, len, first, step);
+}
+
+/// The weighted sum of the values around `place` of a row or column of `len` pixels: the first that
+/// the blur sees has the index `first`, each next one is `step` further.
+fn gaussian_sum(
+    params: &ControlParams,
+    values: &[Vec4],
+    place: u32,
+    len: u32,
+    first: u32,
+    step: u32,
+) -> Vec4 {
+    let last = (place + params.radius).min(len - 1);
+    let (mut tap, mut index) = (place - place.min(params.radius), first);
     let mut total = Vec4::ZERO;
     while tap <= last {
-        let distance = tap as f32 - place as f32;
-        total += at(values, index) * (-params.factor * distance * distance).exp();
+        total += at(values, index) * weight(params, tap, place);
         tap += 1;
         index += step;
     }
-    *sum = total;
+    total
 }
 
 /// Kernel: the difference of pixel `lane` over what the guides of all that it gives to add up to,
-/// the blurred ones.
+/// the blurred ones; nothing where the pixel, by the last component of `corrections`, is of another
+/// level.
 pub fn control_shares(
     lane: u32,
-    _: &ControlParams,
+    params: &ControlParams,
     guided: &[Vec4],
+    corrections: &[Vec4],
     blurred: &[Vec4],
     share: &mut Vec4,
 ) {
-    let guides = at(blurred, lane).w;
-    *share = if guides > 0.0 { at(guided, lane) / guides } else { Vec4::ZERO };
+    let (ratio, guides) = (at(corrections, lane).w, at(blurred, lane).w);
+    let gives = ratio >= params.lowest && ratio < params.end && guides > 0.0;
+    *share = if gives { at(guided, lane) / guides } else { Vec4::ZERO };
 }
 
-/// Kernel: what is to be added to the picture in pixel `lane`: its guide's part of all that it is
-/// given, the blurred shares. The last component is 0.
+/// Kernel: adds to what is to be added to the picture in pixel `lane` its guide's part of all that
+/// it is given, the blurred shares of a level.
 pub fn control_corrections(
     lane: u32,
     _: &ControlParams,
@@ -166,5 +203,5 @@ pub fn control_corrections(
     blurred: &[Vec4],
     correction: &mut Vec4,
 ) {
-    *correction = (at(blurred, lane).truncate() * at(guided, lane).w).extend(0.0);
+    *correction += (at(blurred, lane).truncate() * at(guided, lane).w).extend(0.0);
 }

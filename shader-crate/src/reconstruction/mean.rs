@@ -12,9 +12,14 @@ use crate::estimator::guide::Guide;
 use crate::glam::Vec4;
 use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float as _;
 
 /// Samples of a pixel that is given nothing.
 const CERTAIN: f32 = 1e30;
+/// Samples of a filtered pixel for each of the other picture's: its noise is far below that one's,
+/// so that differences must be spread widely.
+const RATIO: f32 = 1e30;
 
 device_struct! {
     /// The parameters of [`filtered_differences`]. 32 bytes.
@@ -39,9 +44,9 @@ device_struct! {
     }
 }
 
-/// Kernel: what pixel `lane` lacks, and as the last component the variance of a sample; its number
-/// of samples is the last component of `counts`. Both are in rows. What is not measured lacks nothing,
-/// and is as good as certain.
+/// Kernel: what pixel `lane` lacks and the deviation of a sample, and its counts, as
+/// [`control_differences`](crate::film::control::control_differences) has them. What is not measured
+/// lacks nothing, and is as good as certain.
 pub fn filtered_differences(
     lane: u32,
     params: &MeanParams,
@@ -54,11 +59,11 @@ pub fn filtered_differences(
     let MeanParams { threads, width, height, .. } = *params;
     let place = PictureParams { threads, first_rank: 0, width, height }.row_index(lane);
     let guide = at(guides, lane);
-    let (mut difference, mut count) = (Vec4::ZERO, Vec4::ZERO.with_w(CERTAIN));
+    let (mut difference, mut count) = (Vec4::ZERO, Vec4::new(0.0, 0.0, RATIO, CERTAIN));
     if guide.is_measured() {
         let right = if params.control != 0 { at(first, lane).truncate() } else { guide.color };
         let samples = guide.samples as f32;
-        difference = (right - at(picture, lane).filtered).extend(guide.variance * samples);
+        difference = (right - at(picture, lane).filtered).extend((guide.variance * samples).sqrt());
         count = count.with_w(samples);
     }
     differences.set(place, difference);

@@ -7,21 +7,26 @@ use bytemuck::Zeroable;
 use glam::{Vec3, Vec4};
 use raystream_shaders::film::control::ControlParams;
 
-/// Standard deviation, in pixels, of the Gaussian by which the control film's differences are
-/// spread. It is measured in pixels and not in parts of the picture, since noise is: of the variance
-/// of the control film `1 / (4 pi sigma^2)` gets into the picture. docs/ADAPTIVE.md has what other
-/// values do.
-const SIGMA: f32 = 8.0;
+/// The levels: each with the samples of a pixel for each of the control film's at which the next
+/// one begins, and the standard deviation, in pixels, of the Gaussian by which differences are
+/// spread. It is measured in pixels and not in parts of the picture, since noise is:
+/// `ratio / (4 pi sigma^2)` of the variance of a pixel is added to it, 12 % at most up to a ratio of
+/// 96. docs/ADAPTIVE.md has what other values do.
+const LEVELS: [(f32, f32); 3] = [(6.0, 2.0), (24.0, 4.0), (f32::MAX, 8.0)];
+/// Standard deviation, in pixels, of the Gaussian over which the deviation of samples is averaged for
+/// a guide.
+const GUIDE_SIGMA: f32 = 4.0;
 /// Standard deviations at which the Gaussian is cut off.
 const CUT: f32 = 3.0;
 
-/// What the control film corrects the picture by, and what it takes to find that: three vectors
+/// What the control film corrects the picture by, and what it takes to find that: four vectors
 /// for each pixel, in rows.
 pub struct ControlFilm<B> {
     size: FilmSize,
     guided: Array<B, Vec4>,
-    /// Between the passes by turns with `corrections`.
-    scratch: Array<B, Vec4>,
+    /// Between the passes by turns.
+    scratch: [Array<B, Vec4>; 2],
+    /// The counts, before.
     corrections: Array<B, Vec4>,
 }
 
@@ -44,16 +49,18 @@ impl<B> ControlFilm<B> {
     pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
         let pixels = (size.width * size.height) as usize;
         let array = || Array::zeroed(executor, "the control film", pixels);
-        Ok(Self { size, guided: array()?, scratch: array()?, corrections: array()? })
+        let scratch = [array()?, array()?];
+        Ok(Self { size, guided: array()?, scratch, corrections: array()? })
     }
 
     /// The launches after which the corrections are those of a film of this size.
     pub fn launches<'a>(&'a self, film: &'a FilmBuffers<B>) -> Vec<Launch<'a, B>> {
         let (differences, counts) = self.differences();
+        let whole = gaussian(self.size, GUIDE_SIGMA, CUT);
         let of_band = film.bands().iter().map(|band| {
             let threads = band.film.len() as u32;
             let first_rank = band.first_rank;
-            let parameters = ControlParams { threads, first_rank, ..self.whole() };
+            let parameters = ControlParams { threads, first_rank, ..whole };
             let film = band.film.view();
             kernels::control_differences(&parameters, film, differences.view(), counts.view())
         });
@@ -65,28 +72,46 @@ impl<B> ControlFilm<B> {
     /// Where the differences that are to be spread are put, and the counts; see
     /// [`control_differences`](raystream_shaders::film::control::control_differences).
     pub fn differences(&self) -> (&Array<B, Vec4>, &Array<B, Vec4>) {
-        (&self.scratch, &self.guided)
+        (&self.scratch[0], &self.corrections)
     }
 
     /// The launches after which the corrections are those of the [differences](Self::differences).
-    pub fn spread(&self) -> [Launch<'_, B>; 7] {
-        let whole = self.whole();
-        let along_rows = ControlParams { along_rows: 1, ..whole };
-        let (guided, one, other) = (&self.guided, &self.scratch, &self.corrections);
-        [
-            kernels::control_guides(&whole, one.view(), guided.view()),
-            kernels::blur(&along_rows, guided.view(), one.view()),
-            kernels::blur(&whole, one.view(), other.view()),
-            kernels::control_shares(&whole, guided.view(), other.view(), one.view()),
+    pub fn spread(&self) -> Vec<Launch<'_, B>> {
+        let parameters = gaussian(self.size, GUIDE_SIGMA, CUT);
+        let along_rows = ControlParams { along_rows: 1, ..parameters };
+        let (guided, corrections) = (&self.guided, &self.corrections);
+        let [one, other] = &self.scratch;
+        let mut launches = vec![
             kernels::blur(&along_rows, one.view(), other.view()),
-            kernels::blur(&whole, other.view(), one.view()),
-            kernels::control_corrections(&whole, guided.view(), one.view(), other.view()),
-        ]
-    }
-
-    /// The parameters of a pass over all pixels, along columns.
-    fn whole(&self) -> ControlParams {
-        gaussian(self.size, SIGMA, CUT)
+            kernels::control_guides(
+                &parameters,
+                one.view(),
+                other.view(),
+                corrections.view(),
+                guided.view(),
+            ),
+        ];
+        let mut lowest = 0.0;
+        for (end, sigma) in LEVELS {
+            let level = ControlParams { lowest, end, ..gaussian(self.size, sigma, CUT) };
+            let along_rows = ControlParams { along_rows: 1, ..level };
+            launches.extend([
+                kernels::blur(&along_rows, guided.view(), one.view()),
+                kernels::blur(&level, one.view(), other.view()),
+                kernels::control_shares(
+                    &level,
+                    guided.view(),
+                    corrections.view(),
+                    other.view(),
+                    one.view(),
+                ),
+                kernels::blur(&along_rows, one.view(), other.view()),
+                kernels::blur(&level, other.view(), one.view()),
+                kernels::control_corrections(&level, guided.view(), one.view(), corrections.view()),
+            ]);
+            lowest = end;
+        }
+        launches
     }
 
     /// Copies the corrections to the host, in rows.

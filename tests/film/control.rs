@@ -1,0 +1,124 @@
+//! The corrections by the control film, against their definition.
+
+use crate::estimator::walls::random;
+use bytemuck::Zeroable;
+use glam::{DVec3, Vec3};
+use raystream::exec::Executor;
+use raystream::exec::cpu::CpuExecutor;
+use raystream::film::Film;
+use raystream::render::FilmBuffers;
+use raystream::render::film::control::ControlFilm;
+use raystream::scene::FilmSize;
+use raystream_shaders::film::FilmPixel;
+use raystream_shaders::integrator::first_hits::FeaturePixel;
+use raystream_tests::with_gpu;
+
+const SIZE: FilmSize = FilmSize { width: 53, height: 31 };
+/// Samples of the control film in each pixel.
+const CONTROL: u32 = 4;
+/// Roundings of sums over a thousand pixels in single precision, of terms of both signs, relative to
+/// the largest correction.
+const ROUNDING: f64 = 1e-4;
+
+/// Pixels with 4 to 300 samples: of all levels, all over the picture, and some without the second
+/// half.
+fn film() -> Film {
+    let pixel = |p: usize| {
+        let draw = |k: u32| f64::from(random(3, p, k));
+        let second = if p % 17 == 0 { 0 } else { (300.0 * draw(0).powi(4)) as u32 + 1 };
+        let scale = 1.0 + 5.0 * draw(1);
+        let sum = |n: u32, k: u32| Vec3::splat((f64::from(n) * scale * (0.5 + draw(k))) as f32);
+        FilmPixel {
+            first_sum: sum(CONTROL, 2),
+            first_samples: CONTROL,
+            second_sum: sum(second, 3),
+            second_samples: second,
+            sum_of_squares: Vec3::splat((3.0 * scale * scale) as f32 * (CONTROL + second) as f32),
+            ..FilmPixel::zeroed()
+        }
+    };
+    let pixels = (SIZE.width * SIZE.height) as usize;
+    let radiance = (0..pixels).map(pixel).collect();
+    Film::new(SIZE.width, SIZE.height, radiance, vec![FeaturePixel::zeroed(); pixels])
+}
+
+/// docs/ADAPTIVE.md, word by word, in double precision.
+fn by_definition(film: &Film) -> Vec<DVec3> {
+    let pixels = &film.radiance;
+    let place = |p: usize| [p as i64 % i64::from(SIZE.width), p as i64 / i64::from(SIZE.width)];
+    // Cut off at three deviations along each axis.
+    let gaussian = |p: usize, q: usize, sigma: f64| {
+        let ([px, py], [qx, qy]) = (place(p), place(q));
+        let (x, y) = ((px - qx).abs() as f64, (py - qy).abs() as f64);
+        let sees = x.max(y) <= 3.0 * sigma;
+        if sees { (-(x * x + y * y) / (2.0 * sigma * sigma)).exp() } else { 0.0 }
+    };
+    let has_both = |p: &FilmPixel| p.second_samples > 0;
+    let deviations: Vec<f64> = pixels
+        .iter()
+        .map(|p| {
+            let n = f64::from(p.samples());
+            let variance = p.sum_of_squares.as_dvec3() / n - (p.sum().as_dvec3() / n).powf(2.0);
+            if has_both(p) { (variance.element_sum() / 3.0).max(0.0).sqrt() } else { 0.0 }
+        })
+        .collect();
+    let all = 0..pixels.len();
+    let guides: Vec<f64> = all
+        .clone()
+        .map(|p| {
+            let weight = |q: usize| gaussian(p, q, 4.0);
+            let sum: f64 = all.clone().map(|q| weight(q) * deviations[q]).sum();
+            let mean = sum / all.clone().map(weight).sum::<f64>();
+            (mean / f64::from(pixels[p].samples()).sqrt()).sqrt()
+        })
+        .collect();
+    let mut corrections = vec![DVec3::ZERO; pixels.len()];
+    for (q, pixel) in pixels.iter().enumerate().filter(|(_, pixel)| has_both(pixel)) {
+        let n = f64::from(pixel.samples());
+        let control = pixel.first_sum.as_dvec3() / f64::from(CONTROL);
+        let difference = control - pixel.sum().as_dvec3() / n;
+        let ratio = n / f64::from(CONTROL);
+        let sigma = if ratio < 6.0 {
+            2.0
+        } else if ratio < 24.0 {
+            4.0
+        } else {
+            8.0
+        };
+        let total: f64 = all.clone().map(|r| guides[r] * gaussian(r, q, sigma)).sum();
+        for p in all.clone() {
+            corrections[p] += difference * (guides[p] * gaussian(p, q, sigma) / total);
+        }
+    }
+    corrections
+}
+
+fn corrections<E: Executor>(executor: &E, film: &Film) -> Vec<Vec3> {
+    let control = ControlFilm::new(executor, SIZE).unwrap();
+    let buffers = FilmBuffers::from_film(executor, film).unwrap();
+    // Twice: what the first time left behind must not matter.
+    for _ in 0..2 {
+        executor.run(&control.launches(&buffers)).unwrap();
+    }
+    control.read(executor).unwrap()
+}
+
+#[test]
+fn corrections_are_what_they_are_defined_as() {
+    let film = film();
+    let expected = by_definition(&film);
+    let largest = expected.iter().map(|c| c.abs().max_element()).fold(0.0, f64::max);
+    let check = |found: Vec<Vec3>, device: &str| {
+        for (p, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            let off = (found.as_dvec3() - expected).abs().max_element();
+            assert!(off <= ROUNDING * largest, "{device}, pixel {p}: {found}, not {expected}");
+        }
+    };
+    check(corrections(&CpuExecutor, &film), "CPU");
+    with_gpu(|gpu| check(corrections(gpu, &film), "GPU"));
+    // All levels are there, and the limit is far below what each does.
+    let of_level = |low: u32, end: u32| {
+        film.radiance.iter().filter(|p| (low..end).contains(&(p.samples() / CONTROL))).count()
+    };
+    assert!([of_level(0, 6), of_level(6, 24), of_level(24, 99)].iter().all(|&n| n > 50));
+}
