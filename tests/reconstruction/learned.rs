@@ -50,6 +50,7 @@ fn what_was_learned_depends_on_every_number_of_the_description() {
 /// How far a filtered pixel follows its own colour, against what it does when that changes a little.
 #[test]
 fn the_own_part_is_the_derivative() {
+    const STEP: f32 = 1e-3;
     let film = noisy_wall(SIZE, SAMPLES, 11, |x, y| Vec3::splat(1.0 + 0.05 * (x + y) as f32));
     let executor = &CpuExecutor;
     let inputs = FilterInputs::new(executor, FILM).expect("it fits");
@@ -73,7 +74,6 @@ fn the_own_part_is_the_derivative() {
             (guides[rank], smoothed[rank]) = (guide, smooth);
             filtered
         };
-        const STEP: f32 = 1e-3;
         let slope = (at(STEP).color.x - at(-STEP).color.x) / (2.0 * STEP);
         let own = at(0.0).own;
         if slope > 0.01 && slope < 1.0 && own < 1.0 {

@@ -71,7 +71,8 @@ fn initial(rng: &mut Rng) -> Vec<Vec4> {
     for (start, end, inputs) in [(0, SECOND, INPUTS), (SECOND, THIRD, HIDDEN)] {
         let size = (6.0 / inputs as f32).sqrt();
         for row in start..end {
-            if (row - start) as usize % (inputs + 1) > 0 {
+            let is_bias = ((row - start) as usize).is_multiple_of(inputs + 1);
+            if !is_bias {
                 weights[row as usize] =
                     Vec4::from_array([0; 4].map(|_| size * (2.0 * rng.f32() - 1.0)));
             }

@@ -79,7 +79,7 @@ impl Description {
 /// The description of a pixel that is measured, with what is [about](Surroundings) it; `floor` is a
 /// variance below which there is no noise.
 fn inputs(guide: &Guide, halves: [Vec4; 2], about: &Surroundings, floor: f32) -> [f32; INPUTS] {
-    let Surroundings { near, all, features, .. } = about;
+    let Surroundings { near, all, .. } = about;
     let (noise, near_noise, all_noise) =
         (guide.variance + floor, near.noise() + floor, all.noise() + floor);
     let own = radiance(guide.color);
@@ -99,15 +99,15 @@ fn inputs(guide: &Guide, halves: [Vec4; 2], about: &Surroundings, floor: f32) ->
         ratio(mean_of_squares(near.mean()), noise),
         ratio(mean_of_squares(near.mean() - all.mean()), all_noise),
         ratio(half_difference, half_noise),
-        near.weights / NEAR_PIXELS,
-        all.weights / PIXELS,
-        (features.albedo_spread() + SMALL_DIFFERENCE).ln(),
-        (features.normal_spread() + SMALL_DIFFERENCE).ln(),
+        near.weights() / NEAR_PIXELS,
+        all.weights() / PIXELS,
+        (about.albedo_spread() + SMALL_DIFFERENCE).ln(),
+        (about.normal_spread() + SMALL_DIFFERENCE).ln(),
         (guide.samples as f32).clamp(SAMPLES[0], SAMPLES[1]).ln(),
-        features.surfaces / features.pixels,
-        ratio(about.largest_noise, all_noise),
+        about.surfaces(),
+        ratio(about.largest_noise(), all_noise),
         radiance(guide.albedo),
-        signed_logarithm((about.brightest - mean) / all_noise.sqrt()),
+        signed_logarithm((about.brightest() - mean) / all_noise.sqrt()),
     ]
 }
 

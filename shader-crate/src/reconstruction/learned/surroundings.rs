@@ -17,54 +17,37 @@ const SMOOTH_REACH: u32 = 2;
 /// Weights are exp(-exponent). From here on they are none.
 const LARGEST_EXPONENT: f32 = 16.0;
 
-/// What is about a pixel that is measured.
+/// What is about a pixel that is measured. Its parts are vectors of four alone, which lie in memory
+/// alike wherever kernels are compiled to.
 #[derive(Clone, Copy)]
 pub struct Surroundings {
     /// Of pixels like the one in the middle, next to it.
     pub near: Sums,
     /// Of all pixels like it.
     pub all: Sums,
-    /// Of all pixels.
-    pub features: Features,
-    /// The largest variance next to the pixel, and the brightest.
-    pub largest_noise: f32,
-    /// See `largest_noise`; the mean over the components.
-    pub brightest: f32,
-    smooth: Smooth,
+    /// Of all pixels that show a surface: of albedos; and of their squares, the means over the
+    /// components.
+    albedo: Vec4,
+    /// Likewise of normals, and their number.
+    normal: Vec4,
+    /// The smoothed colour's sum, less the pixel's own colour, and its weights.
+    smooth: Vec4,
+    /// Pixels, the largest variance next to the pixel, the brightest mean of components there, and
+    /// the smoothed colour's sum of variances.
+    rest: Vec4,
 }
 
 /// Sums over pixels by how much they are like the one in the middle, of differences from that
 /// one's colour: squares of what all have in common would leave nothing of the rest.
 #[derive(Clone, Copy)]
 pub struct Sums {
-    /// Of weights.
-    pub weights: f32,
-    variance: f32,
-    color: Vec3,
-    squares: f32,
-    first: Vec3,
-    second: Vec3,
-    products: f32,
-}
-
-/// Sums over pixels whatever they are like.
-#[derive(Clone, Copy)]
-pub struct Features {
-    /// Pixels.
-    pub pixels: f32,
-    /// Pixels that show a surface; the following are of these.
-    pub surfaces: f32,
-    albedo: Vec3,
-    albedo_squares: f32,
-    normal: Vec3,
-}
-
-/// Sums for a smoothed colour.
-#[derive(Clone, Copy)]
-struct Smooth {
-    weights: f32,
-    color: Vec3,
-    variance: f32,
+    /// Of weights, of variances, of squared colours and of products of both halves' colours, the
+    /// means over the components.
+    numbers: Vec4,
+    /// Of colours; then of those of both halves.
+    color: Vec4,
+    first: Vec4,
+    second: Vec4,
 }
 
 /// A pixel that is like the one in the middle, its colours less that one's.
@@ -76,85 +59,44 @@ struct Tap {
 }
 
 impl Sums {
-    const NOTHING: Self = Self {
-        weights: 0.0,
-        variance: 0.0,
-        color: Vec3::ZERO,
-        squares: 0.0,
-        first: Vec3::ZERO,
-        second: Vec3::ZERO,
-        products: 0.0,
-    };
+    const NOTHING: Self =
+        Self { numbers: Vec4::ZERO, color: Vec4::ZERO, first: Vec4::ZERO, second: Vec4::ZERO };
 
     fn with(self, tap: &Tap, weight: f32) -> Self {
+        let products = tap.first.dot(tap.second) * (1.0 / 3.0);
+        let numbers = Vec4::new(1.0, tap.variance, mean_of_squares(tap.color), products);
         Self {
-            weights: self.weights + weight,
-            variance: self.variance + tap.variance * weight,
-            color: self.color + tap.color * weight,
-            squares: self.squares + mean_of_squares(tap.color) * weight,
-            first: self.first + tap.first * weight,
-            second: self.second + tap.second * weight,
-            products: self.products + tap.first.dot(tap.second) * (weight / 3.0),
+            numbers: self.numbers + numbers * weight,
+            color: self.color + tap.color.extend(0.0) * weight,
+            first: self.first + tap.first.extend(0.0) * weight,
+            second: self.second + tap.second.extend(0.0) * weight,
         }
+    }
+
+    /// Sum of weights.
+    pub fn weights(&self) -> f32 {
+        self.numbers.x
     }
 
     /// Mean difference of colour.
     pub fn mean(&self) -> Vec3 {
-        self.color / self.weights
+        self.color.truncate() / self.weights()
     }
 
     /// Mean variance of the pixels.
     pub fn noise(&self) -> f32 {
-        self.variance / self.weights
+        self.numbers.y / self.weights()
     }
 
     /// By how much the pixels differ among themselves: a variance, with their noise.
     pub fn spread(&self) -> f32 {
-        (self.squares / self.weights - mean_of_squares(self.mean())).max(0.0)
+        (self.numbers.z / self.weights() - mean_of_squares(self.mean())).max(0.0)
     }
 
     /// By how much both halves of the pixels differ alike: without noise, and below 0 by chance.
     pub fn structure(&self) -> f32 {
-        let of_means = self.first.dot(self.second) / (3.0 * self.weights * self.weights);
-        self.products / self.weights - of_means
-    }
-}
-
-impl Features {
-    fn with(self, tap: &Guide) -> Self {
-        let mut features = Self { pixels: self.pixels + 1.0, ..self };
-        if tap.has_surface() {
-            features.surfaces += 1.0;
-            features.albedo += tap.albedo;
-            features.albedo_squares += mean_of_squares(tap.albedo);
-            features.normal += unpack_normal(tap.normal);
-        }
-        features
-    }
-
-    /// The variance of albedos, the mean over the components.
-    pub fn albedo_spread(&self) -> f32 {
-        let surfaces = self.surfaces.max(1.0);
-        (self.albedo_squares / surfaces - mean_of_squares(self.albedo / surfaces)).max(0.0)
-    }
-
-    /// That of normals, the sum over the components.
-    pub fn normal_spread(&self) -> f32 {
-        if self.surfaces == 0.0 {
-            0.0
-        } else {
-            (1.0 - (self.normal / self.surfaces).length_squared()).max(0.0)
-        }
-    }
-}
-
-impl Smooth {
-    fn with(self, tap: &Tap, weight: f32) -> Self {
-        Self {
-            weights: self.weights + weight,
-            color: self.color + tap.color * weight,
-            variance: self.variance + tap.variance * weight * weight,
-        }
+        let of_means = self.first.dot(self.second) / (3.0 * self.weights() * self.weights());
+        self.numbers.w / self.weights() - of_means
     }
 }
 
@@ -162,16 +104,10 @@ impl Surroundings {
     const NOTHING: Self = Self {
         near: Sums::NOTHING,
         all: Sums::NOTHING,
-        features: Features {
-            pixels: 0.0,
-            surfaces: 0.0,
-            albedo: Vec3::ZERO,
-            albedo_squares: 0.0,
-            normal: Vec3::ZERO,
-        },
-        largest_noise: 0.0,
-        brightest: 0.0,
-        smooth: Smooth { weights: 0.0, color: Vec3::ZERO, variance: 0.0 },
+        albedo: Vec4::ZERO,
+        normal: Vec4::ZERO,
+        smooth: Vec4::ZERO,
+        rest: Vec4::ZERO,
     };
 
     /// Of the pixel of a rank, which is measured, seen by `centre`.
@@ -222,10 +158,15 @@ impl Surroundings {
     }
 
     fn with_any(self, tap: &Guide, distance: u32) -> Self {
-        let mut sums = Self { features: self.features.with(tap), ..self };
+        let mut sums = self;
+        sums.rest.x += 1.0;
+        if tap.has_surface() {
+            sums.albedo += tap.albedo.extend(mean_of_squares(tap.albedo));
+            sums.normal += unpack_normal(tap.normal).extend(1.0);
+        }
         if distance <= 1 {
-            sums.largest_noise = sums.largest_noise.max(tap.variance);
-            sums.brightest = sums.brightest.max(tap.color.dot(Vec3::ONE) * (1.0 / 3.0));
+            sums.rest.y = sums.rest.y.max(tap.variance);
+            sums.rest.z = sums.rest.z.max(tap.color.dot(Vec3::ONE) * (1.0 / 3.0));
         }
         sums
     }
@@ -239,7 +180,8 @@ impl Surroundings {
         if distance <= SMOOTH_REACH {
             // A Gaussian of one pixel.
             let weight = weight * (-0.5 * (dx * dx + dy * dy) as f32).exp();
-            sums.smooth = self.smooth.with(tap, weight);
+            sums.smooth += tap.color.extend(1.0) * weight;
+            sums.rest.w += tap.variance * weight * weight;
         }
         sums
     }
@@ -247,11 +189,41 @@ impl Surroundings {
     /// By how much the smoothed colour differs from the pixel's own, and the variance of it.
     pub fn smoothed(&self) -> Vec4 {
         let own = self.own();
-        (self.smooth.color * own).extend(self.smooth.variance * own * own)
+        (self.smooth.truncate() * own).extend(self.rest.w * own * own)
     }
 
     /// How far the smoothed colour follows the pixel's own.
     pub fn own(&self) -> f32 {
-        1.0 / self.smooth.weights
+        1.0 / self.smooth.w
+    }
+
+    /// The variance of albedos, the mean over the components.
+    pub fn albedo_spread(&self) -> f32 {
+        let mean = self.albedo / self.normal.w.max(1.0);
+        (mean.w - mean_of_squares(mean.truncate())).max(0.0)
+    }
+
+    /// That of normals, the sum over the components.
+    pub fn normal_spread(&self) -> f32 {
+        if self.normal.w == 0.0 {
+            0.0
+        } else {
+            (1.0 - (self.normal.truncate() / self.normal.w).length_squared()).max(0.0)
+        }
+    }
+
+    /// The part of the pixels that show a surface.
+    pub fn surfaces(&self) -> f32 {
+        self.normal.w / self.rest.x
+    }
+
+    /// The largest variance next to the pixel.
+    pub fn largest_noise(&self) -> f32 {
+        self.rest.y
+    }
+
+    /// The brightest pixel next to the pixel: the mean over its components, at least 0.
+    pub fn brightest(&self) -> f32 {
+        self.rest.z
     }
 }
