@@ -37,6 +37,7 @@ mod load;
 mod material;
 mod memory;
 pub(crate) mod mesh;
+mod metal;
 mod obj;
 mod options;
 mod picture;
@@ -58,10 +59,13 @@ pub use film::FilmSize;
 pub use light::{PunctualLight, QuadLight};
 pub use limits::PathLimits;
 pub use load::{embedded, load, load_named};
+pub(crate) use material::distinct_ior;
 pub use material::{
-    Attenuation, Channel, Maps, Material, MaterialId, NormalMap, Opacity, Principled, Reflectance,
+    Attenuation, Body, Channel, Maps, Material, MaterialId, NormalMap, Opacity, Principled,
+    Reflectance,
 };
 pub use mesh::Mesh;
+pub use metal::{Conductor, Metal};
 pub use options::LoadOptions;
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, shipped};
 pub use texture::{Texture, TextureId, Wrap};
