@@ -206,11 +206,9 @@ fn bodies() {
     let grey = json!([0.5, 0.5, 0.5]);
     let matt = json!({"type": "diffuse", "reflectance": grey, "priority": 1});
     expect_rule(matt, &["a diffuse material has no key `priority`"]);
-    for (key, value) in [
-        ("transmission", json!(0)),
-        ("thin_walled", json!(true)),
-        ("alpha", json!(0.5)),
-    ] {
+    for (key, value) in
+        [("transmission", json!(0)), ("thin_walled", json!(true)), ("alpha", json!(0.5))]
+    {
         let mut rule = json!({
             "type": "principled", "reflectance": grey, "transmission": 1, "priority": 1,
         });

@@ -248,6 +248,7 @@ mod tests {
         "scenes",
         "seed",
         "size",
+        "sky",
         "spp",
         "stream",
         "test",

@@ -178,6 +178,16 @@ pub(super) fn rotation(value: f64) -> Result<f32, String> {
     within(value, -MAX_ROTATION..=MAX_ROTATION)
 }
 
+/// The height of a sun over the horizon, in degrees.
+pub(super) fn elevation(value: f64) -> Result<f32, String> {
+    within(value, 0.0..=90.0)
+}
+
+/// How much haze there is in the air.
+pub(super) fn turbidity(value: f64) -> Result<f32, String> {
+    within(value, 2.0..=10.0)
+}
+
 /// What the radiances of an environment are multiplied by.
 pub(super) fn strength(value: f64) -> Result<f32, String> {
     within(value, 0.0..=MAX_STRENGTH)

@@ -37,8 +37,7 @@ fn reflectance_is_fresnels() {
         for (channel, step) in both {
             let cosine = step as f32 / 50.0;
             let found = f64::from(fresnel(cosine, eta[channel], k[channel]));
-            let expected =
-                by_amplitudes(cosine.into(), eta[channel].into(), k[channel].into());
+            let expected = by_amplitudes(cosine.into(), eta[channel].into(), k[channel].into());
             assert!((found - expected).abs() < 1e-5, "{metal}, {cosine}: {found} {expected}");
         }
     }
@@ -59,7 +58,8 @@ fn smooth_metals_reflect_by_fresnels_equations() {
             let all: Vec<Vec3> = samples(bsdf, incoming, SOBOL).map(|s| s.weight).collect();
             let mean = all.iter().map(|weight| weight.as_dvec3()).sum::<DVec3>() / all.len() as f64;
             let cosine = f64::from(degrees).to_radians().cos();
-            let of = |c: usize| by_amplitudes(cosine, conductor.eta[c].into(), conductor.k[c].into());
+            let of =
+                |c: usize| by_amplitudes(cosine, conductor.eta[c].into(), conductor.k[c].into());
             let expected = DVec3::new(of(0), of(1), of(2));
             // Microfacets of a thousandth's slope tell the angle less well.
             let off = (mean - expected).abs().max_element();

@@ -87,6 +87,10 @@ checked! {
     Angle(f32) = bounds::angle, of f64 as "f64";
     /// A rotation in degrees.
     Rotation(f32) = bounds::rotation, of f64 as "f64";
+    /// The height of a sun over the horizon, in degrees.
+    Elevation(f32) = bounds::elevation, of f64 as "f64";
+    /// How much haze there is in the air.
+    Turbidity(f32) = bounds::turbidity, of f64 as "f64";
     /// What radiances are multiplied by.
     Strength(f32) = bounds::strength, of f64 as "f64";
     /// The diameter of a light at infinity, in degrees.
