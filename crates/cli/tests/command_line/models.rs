@@ -73,6 +73,6 @@ fn a_scene_is_inspected() {
     let tea = run(folder, "inspect tea --json").succeeded();
     let tea: Value = serde_json::from_str(&tea.stdout).unwrap();
     assert_eq!(tea["camera_is_in_body"], false);
-    assert_eq!(tea["materials"]["dielectric"], 3);
+    assert_eq!(tea["materials"]["dielectric"], 5, "one for each mesh");
     inspect(folder, &["lost.glb"]).failed(&["lost.glb"]);
 }
