@@ -51,10 +51,10 @@ impl Scene {
         for (index, material) in self.materials.iter().enumerate() {
             self.check_material(material).map_err(at(&format!("materials[{index}]")))?;
         }
-        let bodies = self.materials.iter().filter_map(Material::body).count();
+        let bodies = self.bodies().len();
         if self.has_media() && bodies > MOST_BODIES as usize {
             let what = format!(
-                "bound {bodies} bodies, of glass or water, but where one of them absorbs light or \
+                "bound {bodies} kinds of bodies, of glass or water, but where one of them absorbs light or \
                  has a priority there are at most {MOST_BODIES}"
             );
             return Err(at("materials")(what));
@@ -374,7 +374,8 @@ mod tests {
             }),
             ("materials", &|s| {
                 let water = Principled { priority: Some(1), ..Principled::glass(1.3, 0.0) };
-                s.materials.extend([Material::Principled(water); 256]);
+                let liquids = (0..256).map(|k| Principled { ior: 1.3 + k as f32 * 1e-3, ..water });
+                s.materials.extend(liquids.map(Material::Principled));
             }),
             ("materials[0]", &|s| s.materials[0] = principled(|m| m.coat = -0.1)),
             ("materials[0]", &|s| s.materials[0] = principled(|m| m.sheen.x = 1.1)),

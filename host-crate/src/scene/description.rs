@@ -131,6 +131,15 @@ impl Scene {
         self.materials.iter().filter_map(Material::body).any(matters)
     }
 
+    /// Its bodies, those without a priority first. Materials that are alike in all that a body is
+    /// bound one.
+    pub(crate) fn bodies(&self) -> Vec<Body> {
+        let mut bodies: Vec<Body> = self.materials.iter().filter_map(Material::body).collect();
+        bodies.sort_by_key(Body::key);
+        bodies.dedup_by_key(|body| body.key());
+        bodies
+    }
+
     /// How many triangles it has, two for each quad light included.
     pub fn triangle_count(&self) -> usize {
         let of_meshes: usize = self.meshes.iter().map(|mesh| mesh.triangles.len()).sum();

@@ -254,6 +254,14 @@ pub struct Body {
     pub is_rough: bool,
 }
 
+impl Body {
+    /// What bodies are sorted by: those without a priority first.
+    pub(crate) fn key(&self) -> (Option<i32>, [u32; 4], bool) {
+        let Vec3 { x, y, z } = self.absorption;
+        (self.priority, [self.ior, x, y, z].map(f32::to_bits), self.is_rough)
+    }
+}
+
 /// An index of refraction as kernels have it of boundaries that may be rough.
 pub(crate) fn distinct_ior(ior: f32) -> f32 {
     const LEAST: f32 = 1e-3;

@@ -35,23 +35,15 @@ impl PackedMedia {
         if !scene.has_media() {
             return None;
         }
-        let mut bodies: Vec<(usize, Body)> = scene
-            .materials
-            .iter()
-            .enumerate()
-            .filter_map(|(index, material)| Some((index, material.body()?)))
-            .collect();
-        // None comes before any number.
-        bodies.sort_by_key(|(_, body)| body.priority);
+        let bodies = scene.bodies();
         let count = bodies.len() as u32;
-        let materials =
-            words_of_materials(&bodies, scene.materials.len() + scene.quad_lights.len());
+        let materials = words_of_materials(scene, &bodies);
         let before_lights = (count + 1) * (count + 1) + materials.len() as u32;
         let mut rows = vec![UVec4::new(count, 0, before_lights, 0)];
-        rows.extend(bodies.iter().map(|(_, body)| row(body.absorption, 0)));
-        for (_, body) in &bodies {
+        rows.extend(bodies.iter().map(|body| row(body.absorption, 0)));
+        for body in &bodies {
             rows.push(interface(body, None, tables));
-            rows.extend(bodies.iter().map(|(_, other)| interface(body, Some(other), tables)));
+            rows.extend(bodies.iter().map(|other| interface(body, Some(other), tables)));
         }
         rows.extend(materials);
         let first_light = rows.len();
@@ -84,15 +76,17 @@ pub struct Places {
     lights: Vec<UVec4>,
 }
 
-/// The words of so many materials; bodies are numbered from 1, in the order of their priorities.
-fn words_of_materials(bodies: &[(usize, Body)], materials: usize) -> Vec<UVec4> {
-    let mut words = vec![0; materials];
-    for (number, (material, body)) in (1..).zip(bodies) {
-        let up_to = |priority| bodies.partition_point(|(_, other)| other.priority <= priority);
-        let last = body.priority.map_or(PASSES_ALL, |_| up_to(body.priority) as u32);
-        words[*material] = media::Body { number, stays_below: last }.to_word();
-    }
-    rows_of(&words)
+/// The words of a scene's materials, and of its quad lights, which bound none; `bodies` are numbered
+/// from 1, in the order of their priorities.
+fn words_of_materials(scene: &Scene, bodies: &[Body]) -> Vec<UVec4> {
+    let word = |body: Body| {
+        let number = bodies.partition_point(|other| other.key() <= body.key()) as u32;
+        let up_to = bodies.partition_point(|other| other.priority <= body.priority) as u32;
+        let stays_below = body.priority.map_or(PASSES_ALL, |_| up_to);
+        media::Body { number, stays_below }.to_word()
+    };
+    let words = scene.materials.iter().map(|material| material.body().map_or(0, word));
+    rows_of(&words.chain(scene.quad_lights.iter().map(|_| 0)).collect::<Vec<u32>>())
 }
 
 /// The row of an interface.
