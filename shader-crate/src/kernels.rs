@@ -443,6 +443,12 @@ macro_rules! for_each_kernel {
                 write first: $crate::glam::Vec4,
                 write second: $crate::glam::Vec4,
             }
+            /// Puts one half of samples in rows.
+            half_in_rows[256] = $crate::reconstruction::nlm::half_in_rows {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read half: $crate::glam::Vec4,
+                scatter rows: $crate::glam::Vec4,
+            }
             /// Filters one half of samples by non-local means.
             filter_half[128] phased(
                 $crate::reconstruction::nlm::PHASES,
@@ -461,6 +467,24 @@ macro_rules! for_each_kernel {
                 read values: $crate::glam::Vec4,
                 write filtered: $crate::glam::Vec4,
             }
+            /// Predicts the parameters of each pixel's own filter.
+            predict_filters[64] = $crate::reconstruction::learned::description::predict_filters {
+                uniform parameters: $crate::estimator::bilateral::FilterParams,
+                read guides: $crate::estimator::guide::Guide,
+                read first: $crate::glam::Vec4,
+                read second: $crate::glam::Vec4,
+                read weights: $crate::glam::Vec4,
+                write smoothed: $crate::glam::Vec4,
+                write filters: $crate::reconstruction::learned::PixelFilter,
+            }
+            /// Filters each pixel by its own filter.
+            filter_by_pixel[256] = $crate::reconstruction::learned::filter::filter_by_pixel {
+                uniform parameters: $crate::estimator::bilateral::FilterParams,
+                read guides: $crate::estimator::guide::Guide,
+                read smoothed: $crate::glam::Vec4,
+                read filters: $crate::reconstruction::learned::PixelFilter,
+                write filtered: $crate::estimator::filtered::FilteredPixel,
+            }
             /// Puts two filtered halves together.
             join_halves[256] = $crate::reconstruction::nlm::join_halves {
                 uniform parameters: $crate::reconstruction::PictureParams,
@@ -469,6 +493,22 @@ macro_rules! for_each_kernel {
                 read filtered_first: $crate::glam::Vec4,
                 read filtered_second: $crate::glam::Vec4,
                 write filtered: $crate::estimator::filtered::FilteredPixel,
+            }
+            /// Makes what the mixture of two filtered pictures averages.
+            mixture_terms[256] = $crate::reconstruction::mixture::mixture_terms {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read guides: $crate::estimator::guide::Guide,
+                read first: $crate::estimator::filtered::FilteredPixel,
+                read second: $crate::estimator::filtered::FilteredPixel,
+                scatter terms: $crate::glam::Vec4,
+            }
+            /// Mixes two filtered pictures.
+            mix_filtered[256] = $crate::reconstruction::mixture::mix_filtered {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read first: $crate::estimator::filtered::FilteredPixel,
+                read second: $crate::estimator::filtered::FilteredPixel,
+                read blurred: $crate::glam::Vec4,
+                write mixture: $crate::estimator::filtered::FilteredPixel,
             }
             /// Makes what the guard of a filter averages.
             guard_terms[256] = $crate::reconstruction::guard::guard_terms {

@@ -6,6 +6,7 @@ use raystream::render::integrator::wavefront::Wavefront;
 use raystream::render::{AllocatorKind, IntegratorKind, Renderer, Sampling, Settings};
 use raystream::scene::{FilmSize, load, load_named};
 use raystream_shaders::film::FilmPixel;
+use raystream_shaders::scene::abilities::BASIC;
 use raystream_tests::executors::Accounts;
 use raystream_tests::{large_scenes, prepare, settings};
 
@@ -58,8 +59,8 @@ fn pool(
     stream: u32,
 ) -> Result<Wavefront<<Accounts as Executor>::Buffer>, ExecError> {
     match kind {
-        IntegratorKind::Compaction => Wavefront::compaction(device, stream),
-        _ => Wavefront::streaming(device, stream),
+        IntegratorKind::Compaction => Wavefront::compaction(device, BASIC, stream),
+        _ => Wavefront::streaming(device, BASIC, stream),
     }
 }
 
@@ -98,7 +99,7 @@ fn pools_take_what_room_there_is() {
 fn pools_are_as_large_as_is_useful() {
     let bytes = |stream, capacity| {
         let device = Accounts::new(u64::MAX);
-        let _pool = Wavefront::of_capacity(&device, stream, capacity, true).unwrap();
+        let _pool = Wavefront::of_capacity(&device, BASIC, stream, capacity, true).unwrap();
         device.used()
     };
     let of_path = 12 * 16 + 4 + 4;

@@ -141,6 +141,18 @@ fn techniques_agree_around_glossy_materials() {
     }
 }
 
+/// Light samples find the lamp in the liquid from what is in it, and lose what the liquid absorbs.
+#[test]
+fn techniques_agree_in_a_liquid() {
+    let scene = scenes::drink();
+    let prepared = prepare(&scene);
+    let of = |techniques, seed, samples| {
+        render(&prepared, &Settings { seed, techniques, ..settings(&scene) }, samples)
+    };
+    let both = of(Techniques::Both, 1, 2048);
+    assert_same_expectation(&both, &of(Techniques::BsdfSampling, 3, 8192), "in a liquid");
+}
+
 #[test]
 fn techniques_agree_around_mirrors_and_glass() {
     for (name, ball) in [("mirror", scenes::mirror(0.9)), ("glass", scenes::glass(1.5))] {

@@ -12,6 +12,7 @@ use raystream::scene::{FilmSize, Material, Opacity, Principled, Scene};
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::{NO_PIXEL, Slot};
 use raystream_shaders::math::random::hash;
+use raystream_shaders::scene::abilities::ALL;
 use raystream_tests::{cameras, prepare, scenes, settings};
 use std::ops::Range;
 
@@ -116,10 +117,10 @@ pub fn integrator<E: Executor>(
         IntegratorKind::Megakernel => Box::new(Megakernel),
         IntegratorKind::Regeneration => Box::new(Regeneration::new(executor).unwrap()),
         IntegratorKind::Compaction => {
-            Box::new(Wavefront::of_capacity(executor, stream, pool, false).unwrap())
+            Box::new(Wavefront::of_capacity(executor, ALL, stream, pool, false).unwrap())
         }
         IntegratorKind::Streaming => {
-            Box::new(Wavefront::of_capacity(executor, stream, pool, true).unwrap())
+            Box::new(Wavefront::of_capacity(executor, ALL, stream, pool, true).unwrap())
         }
     }
 }
@@ -163,6 +164,9 @@ pub fn cases(count: u32) -> Vec<Case> {
             count,
         )
         .scrambled(),
+        Case::new("a drink", sized(scenes::drink(), 19, 13), count)
+            .with(|s| (s.max_depth, s.roulette_depth) = (12, 5))
+            .scrambled(),
         Case::new("a glowing ball", room(scenes::emissive(3.0, 0.5)), count)
             .with(|s| s.max_depth = 1),
         Case::new("a black ball", room(scenes::diffuse(0.0)), count).with(|s| s.max_depth = 2),

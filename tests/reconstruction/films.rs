@@ -45,7 +45,12 @@ fn filtered_picture<E: Executor>(
     let size = FilmSize { width: film.width, height: film.height };
     let settings = FilterSettings::default();
     let picture = FilteredPicture::new(executor, size, kind, settings).expect("it fits");
-    (picture, FilterView { camera: camera(size.width, size.height), mean_radiance: 1.0 })
+    (picture, view(size))
+}
+
+/// From where walls are seen.
+pub fn view(size: FilmSize) -> FilterView {
+    FilterView { camera: camera(size.width, size.height), mean_radiance: 1.0 }
 }
 
 /// A film after a filter alone, in rows, on the CPU.

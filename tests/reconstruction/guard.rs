@@ -13,7 +13,7 @@ use raystream::scene::FilmSize;
 use raystream_shaders::estimator::filtered::FilteredPixel;
 
 /// A filter that makes every picture black.
-struct Blackout;
+pub struct Blackout;
 
 impl<B> Filter<B> for Blackout {
     fn launches<'a>(

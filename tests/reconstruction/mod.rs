@@ -4,3 +4,4 @@ mod devices;
 mod films;
 mod filters;
 mod guard;
+mod learned;

@@ -197,6 +197,46 @@ fn expect_rule(rule: Value, parts: &[&str]) {
 }
 
 #[test]
+fn bodies() {
+    let glass = |key: &str, value: Value| json!({"type": "dielectric", "ior": 1.5, key: value});
+    expect_rule(glass("priority", json!(1001)), &["must be from -1000 to 1000, is 1001"]);
+    expect_rule(glass("priority", json!(0.5)), &["priority"]);
+    expect_rule(glass("attenuation", json!([1, 1, 1])), &["need each other"]);
+    expect_rule(glass("coat", json!(1)), &["a dielectric material has no key `coat`"]);
+    let grey = json!([0.5, 0.5, 0.5]);
+    let matt = json!({"type": "diffuse", "reflectance": grey, "priority": 1});
+    expect_rule(matt, &["a diffuse material has no key `priority`"]);
+    for (key, value) in
+        [("transmission", json!(0)), ("thin_walled", json!(true)), ("alpha", json!(0.5))]
+    {
+        let mut rule = json!({
+            "type": "principled", "reflectance": grey, "transmission": 1, "priority": 1,
+        });
+        rule[key] = value;
+        expect_rule(rule, &["`priority` is that of a body", "`transmission`"]);
+    }
+}
+
+#[test]
+fn conductors() {
+    let rule = |keys: Value| {
+        let mut rule = json!({"type": "conductor"});
+        rule.as_object_mut().unwrap().extend(keys.as_object().unwrap().clone());
+        rule
+    };
+    expect_rule(rule(json!({})), &["needs the key `metal`, or `eta` and `k`"]);
+    expect_rule(rule(json!({"eta": [1, 1, 1]})), &["needs the key `metal`, or `eta` and `k`"]);
+    expect_rule(rule(json!({"metal": "gold", "k": [1, 1, 1]})), &["needs the key `metal`"]);
+    expect_rule(rule(json!({"metal": "tin"})), &["no 'tin'", "silver, gold, copper"]);
+    let numbers = |eta: f64, k: f64| json!({"eta": [1, eta, 1], "k": [1, k, 1]});
+    expect_rule(rule(numbers(0.0, 1.0)), &["must be from 0.001", "has 0"]);
+    expect_rule(rule(numbers(1.0, -1.0)), &["must be from 0 to 100, has -1"]);
+    expect_rule(rule(json!({"metal": "gold", "coat": 1})), &["a conductor", "no key `coat`"]);
+    let paint = json!({"type": "principled", "reflectance": [1, 1, 1], "metal": "gold"});
+    expect_rule(paint, &["a principled material has no key `metal`"]);
+}
+
+#[test]
 fn principled_materials() {
     expect_rule(json!({"type": "principled"}), &["needs the key `reflectance`"]);
     let grey = json!([0.5, 0.5, 0.5]);

@@ -56,7 +56,9 @@ fn the_glass_ball_differs_by_its_material_only() {
 #[test]
 fn the_shipped_files_are_what_is_built_in() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
-    for name in ["cornell_ball", "cornell_glass", "opening", "caustics"] {
+    for name in
+        ["cornell_ball", "cornell_glass", "opening", "caustics", "tea", "metals", "daylight"]
+    {
         let from_disk = load(&folder.join(name).join(name).with_extension("json")).unwrap();
         assert_eq!(from_disk, load_named(name).unwrap());
     }

@@ -14,6 +14,7 @@ mod holes;
 mod leaks;
 mod light;
 mod loading;
+mod media;
 mod mixed_scales;
 mod places;
 mod ply;

@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 use raystream::scene::{
-    Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh, Principled, Projection,
-    PunctualLight, Scene, Texture,
+    Attenuation, Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh, Principled,
+    Projection, PunctualLight, Scene, Texture,
 };
 
 /// Lambert's law.
@@ -144,6 +144,35 @@ pub fn room(ball: Material, scale: f32) -> Scene {
     add_quad(&mut scene, at(0.35, 0.98, 0.4), at(0.3, 0.0, 0.0), at(0.0, 0.0, 0.3), lamp);
     add_box(&mut scene, at(0.15, 0.0, 0.55), at(0.4, 0.35, 0.8), false, block);
     add_ball(&mut scene, at(0.68, 0.22, 0.6), 0.2 * scale, 3, ball);
+    scene
+}
+
+/// A room with a block of glass, a liquid that overlaps it and has ice, a matt ball and a lamp in it,
+/// and touches the floor: bodies that absorb light, smooth and rough, with priorities and without.
+pub fn drink() -> Scene {
+    let mut scene = room(diffuse(0.7), 1.0);
+    let tea = Some(Attenuation { colour: Vec3::new(0.9, 0.6, 0.3), distance: 0.3 });
+    let ice = Principled { priority: Some(3), ..Principled::glass(1.31, 0.4) };
+    let dyed = Some(Attenuation { colour: Vec3::new(0.3, 0.7, 0.9), distance: 0.2 });
+    let smooth = |ior, attenuation, priority| Material::Dielectric {
+        ior,
+        transmittance: Vec3::ONE,
+        reflectance: Vec3::ONE,
+        attenuation,
+        priority,
+    };
+    let liquid = scene.add_material(smooth(1.33, tea, Some(1)));
+    let glass = scene.add_material(smooth(1.5, None, Some(2)));
+    let ice = scene.add_material(Material::Principled(ice));
+    let marble = scene.add_material(smooth(1.4, dyed, None));
+    let lamp = scene.add_material(emissive(4.0, 0.3));
+    let at = Vec3::new;
+    // The matt ball of the room, of radius 0.2 around (0.68, 0.22, 0.6), is wholly in the liquid.
+    add_box(&mut scene, at(0.44, 0.0, 0.36), at(0.93, 0.45, 0.9), false, liquid);
+    add_box(&mut scene, at(0.42, 0.01, 0.3), at(0.95, 0.5, 0.38), false, glass);
+    add_box(&mut scene, at(0.5, 0.41, 0.5), at(0.62, 0.52, 0.62), false, ice);
+    add_ball(&mut scene, at(0.8, 0.42, 0.8), 0.06, 2, marble);
+    add_quad(&mut scene, at(0.46, 0.1, 0.45), at(0.0, 0.1, 0.0), at(0.0, 0.0, 0.1), lamp);
     scene
 }
 

@@ -6,6 +6,8 @@
 //!
 //! `cargo xtask renders` lists digests of what a program renders: whoever changes code and means to
 //! change no picture compares the lists from before and after.
+//!
+//! `cargo xtask shapes` makes the shapes of scenes.
 
 mod compiler;
 mod digest;
@@ -13,6 +15,7 @@ mod module;
 mod pipelines;
 mod renders;
 mod shaders;
+mod shapes;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -62,6 +65,14 @@ enum Command {
     /// Example: `cargo xtask renders --binary before/raystream > renders.txt`, then `cargo xtask
     /// renders --binary after/raystream --against renders.txt`.
     Renders(renders::Arguments),
+    /// Write the shapes that scenes of the project's own making are put together from, to
+    /// scenes/shapes.
+    Shapes {
+        /// Write nothing; compare with the files that are there and exit with status 1 when they
+        /// differ.
+        #[arg(long)]
+        check: bool,
+    },
 }
 
 /// How a command ended that did not fail, with what to tell the user.
@@ -79,6 +90,7 @@ fn main() -> ExitCode {
         Command::Pipelines { module } => pipelines::print(&module)
             .map(|()| Outcome::Good("That is what the driver says.".into())),
         Command::Renders(arguments) => renders::run(&arguments),
+        Command::Shapes { check } => shapes::run(check),
     };
     match outcome {
         Ok(Outcome::Good(message)) => {

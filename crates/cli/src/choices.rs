@@ -64,7 +64,9 @@ choices! {
 
 choices! {
     FilterKind {
+        Auto: "bilateral and learned, mixed in each pixel as an estimate of the error says is best",
         Bilateral: "A joint bilateral filter: compares what the camera sees, and colours",
+        Learned: "A joint bilateral filter, whose parameters a small network sets for each pixel",
         Nlm: "Non-local means: compares patches of the picture's halves",
         Regression: "Planes in what the camera sees, fitted with such weights; slow",
     }

@@ -59,7 +59,8 @@ impl Facts {
     }
 
     fn filters_bilaterally(&self) -> bool {
-        self.filters.contains(&FilterKind::Bilateral) || self.estimate_by(&[Estimator::Bilateral])
+        self.filters.iter().any(|kind| [FilterKind::Auto, FilterKind::Bilateral].contains(kind))
+            || self.estimate_by(&[Estimator::Bilateral])
     }
 
     /// Whether errors are estimated by one of `estimators`.
@@ -140,7 +141,7 @@ const RULES: &[Rule] = &[
             "filter_features_only",
         ],
         has_effect: Facts::filters_bilaterally,
-        why: "where neither the estimator nor the filter is bilateral",
+        why: "where neither the estimator nor a filter is bilateral, which auto has too",
     },
     Rule {
         options: &["no_smoothing"],
@@ -248,6 +249,7 @@ mod tests {
         "scenes",
         "seed",
         "size",
+        "sky",
         "spp",
         "stream",
         "test",

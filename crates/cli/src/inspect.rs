@@ -158,11 +158,17 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
             "environment": environment,
         },
         "camera": camera(&scene.camera),
+        "camera_is_in_body": is_in_body(prepared),
         "cameras": cameras.collect::<Vec<_>>(),
         "memory": {"geometry": geometry, "surfaces": surfaces, "textures": textures},
         "warnings": scene.warnings.iter().cloned().chain(prepared.warnings()).collect::<Vec<_>>(),
         "details": scene.details,
     })
+}
+
+/// Whether the camera is in a body, where paths know what they are in.
+fn is_in_body(prepared: &PreparedScene) -> bool {
+    prepared.view().surfaces.media_of_camera().there() != 0
 }
 
 fn lines(scene: &Scene, prepared: &PreparedScene) -> Vec<String> {
@@ -193,14 +199,15 @@ fn lines(scene: &Scene, prepared: &PreparedScene) -> Vec<String> {
     lines.push(format!("lights      {}", none(lights(scene).join(", "))));
     let raystream::scene::Camera { origin, target, projection, .. } = scene.camera;
     lines.push(format!(
-        "camera      from ({}, {}, {}) to ({}, {}, {}), {}",
+        "camera      from ({}, {}, {}) to ({}, {}, {}), {}{}",
         origin.x,
         origin.y,
         origin.z,
         target.x,
         target.y,
         target.z,
-        projection_in_words(&projection)
+        projection_in_words(&projection),
+        if is_in_body(prepared) { ", in a body" } else { "" }
     ));
     for camera in &scene.cameras {
         let (name, film) = (&camera.name, camera.film);

@@ -4,7 +4,7 @@ use super::camera::CameraArguments;
 use super::output::say;
 use super::progress::Waiting;
 use clap::Args;
-use raystream::scene::{Environment, LoadOptions, Scene, SceneError, shipped};
+use raystream::scene::{Environment, LoadOptions, Scene, SceneError, Sky, shipped};
 use std::path::{Path, PathBuf};
 
 /// The options that say how scenes are loaded, what lights them besides and how they are seen.
@@ -30,15 +30,26 @@ pub struct LoadArguments {
 struct EnvironmentArguments {
     /// Light the scene from all around by a picture in longitude and latitude, a Radiance HDR or an
     /// EXR file. Its top is +y; its middle is seen towards -z.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "around")]
     environment: Option<PathBuf>,
+    /// Light the scene by a clear sky, whose sun stands so many degrees over the horizon, towards
+    /// -z. Radiances are in kcd/m2: white in the sun has some 25, so that an
+    /// --environment-strength of 0.04 suits most scenes.
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        group = "around",
+        allow_negative_numbers = true,
+        value_parser = parse_elevation
+    )]
+    sky: Option<f32>,
     /// Turn the environment about +y, counter-clockwise as seen from above.
     #[arg(
         long,
         value_name = "DEGREES",
         default_value_t = 0.0,
         allow_negative_numbers = true,
-        requires = "environment",
+        requires = "around",
         value_parser = parse_rotation
     )]
     environment_rotation: f32,
@@ -48,7 +59,7 @@ struct EnvironmentArguments {
         value_name = "FACTOR",
         default_value_t = 1.0,
         allow_negative_numbers = true,
-        requires = "environment",
+        requires = "around",
         value_parser = parse_strength
     )]
     environment_strength: f32,
@@ -57,15 +68,17 @@ struct EnvironmentArguments {
 impl EnvironmentArguments {
     /// Gives the scene the environment that was asked for.
     fn light(&self, scene: &mut Scene, options: LoadOptions) -> Result<(), SceneError> {
-        if let Some(path) = &self.environment {
-            let (environment, warnings) = options.load_environment(path)?;
-            scene.set_environment(Environment {
-                rotation: self.environment_rotation,
-                strength: self.environment_strength,
-                ..environment
-            });
-            scene.warnings.extend(warnings);
-        }
+        let (environment, warnings) = match (&self.environment, self.sky) {
+            (Some(path), _) => options.load_environment(path)?,
+            (None, Some(elevation)) => (Sky::new(elevation).environment(), Vec::new()),
+            (None, None) => return Ok(()),
+        };
+        scene.set_environment(Environment {
+            rotation: self.environment_rotation,
+            strength: self.environment_strength,
+            ..environment
+        });
+        scene.warnings.extend(warnings);
         Ok(())
     }
 }
@@ -111,6 +124,13 @@ const GIB: f64 = (1 << 30) as f64;
 fn is_name(text: &str, path: &Path) -> bool {
     let may_be_name = !text.contains(['/', '\\', '.']);
     may_be_name && (shipped().iter().any(|scene| scene.name == text) || !path.exists())
+}
+
+fn parse_elevation(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(degrees) if (0.0..=90.0).contains(&degrees) => Ok(degrees),
+        _ => Err(format!("'{text}' is not an angle in degrees, from 0 to 90")),
+    }
 }
 
 fn parse_rotation(text: &str) -> Result<f32, String> {

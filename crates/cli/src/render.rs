@@ -48,14 +48,14 @@ pub struct RenderArguments {
     settings: SettingsArguments,
     #[command(flatten)]
     device: DeviceArguments,
-    /// Take noise out of the picture with a filter [default filter: bilateral]. An EXR has the
+    /// Take noise out of the picture with a filter [default filter: auto]. An EXR has the
     /// result as the layer `denoised` beside everything else, a PNG shows it, and --noise means the
     /// error that is left in it.
     #[arg(
         long,
         value_name = "FILTER",
         num_args = 0..=1,
-        default_missing_value = FilterKind::Bilateral.name(),
+        default_missing_value = FilterKind::Auto.name(),
         value_parser = choice::<FilterKind>()
     )]
     denoise: Option<FilterKind>,

@@ -23,8 +23,13 @@ const MAX_STRENGTH: f64 = 1e6;
 pub(super) const MAX_FILM_SIDE: u32 = 16_384;
 /// Indices of refraction lie between the inverse of this and this.
 const MAX_IOR: f64 = 100.0;
+/// Indices of refraction of metals lie between this and [`MAX_IOR`], and coefficients of extinction
+/// between 0 and that.
+const MIN_ETA: f64 = 1e-3;
 /// Light is coloured after a distance between the inverse of this and this.
 const MAX_ATTENUATION_DISTANCE: f64 = 1e12;
+/// Priorities of bodies lie between the negative of this and this.
+const MAX_PRIORITY: i32 = 1000;
 /// Apertures have at most so many corners.
 const MAX_BLADES: u32 = 64;
 /// Textures are at most this wide and high, in texels.
@@ -82,10 +87,26 @@ pub(super) fn ior(value: f64) -> Result<f32, String> {
     rounded(value, low, high).ok_or_else(|| format!("must be from {low} to {high}, is {value}"))
 }
 
+/// An index of refraction of a metal, for red, green and blue.
+pub(super) fn eta(values: &[f64]) -> Result<Vec3, String> {
+    triple(values, f64::from(MIN_ETA as f32)..=MAX_IOR).map(DVec3::as_vec3)
+}
+
+/// A coefficient of extinction of a metal, for red, green and blue.
+pub(super) fn extinction(values: &[f64]) -> Result<Vec3, String> {
+    triple(values, 0.0..=MAX_IOR).map(DVec3::as_vec3)
+}
+
 /// A distance after which light in a body is coloured, in world units.
 pub(super) fn attenuation_distance(value: f64) -> Result<f32, String> {
     let (low, high) = (MAX_ATTENUATION_DISTANCE.recip(), MAX_ATTENUATION_DISTANCE);
     rounded(value, low, high).ok_or_else(|| format!("must be from {low:e} to {high:e}, is {value}"))
+}
+
+/// The priority of a body.
+pub(super) fn priority(value: i64) -> Result<i32, String> {
+    let priority = i32::try_from(value).ok().filter(|value| value.abs() <= MAX_PRIORITY);
+    priority.ok_or_else(|| format!("must be from {} to {MAX_PRIORITY}, is {value}", -MAX_PRIORITY))
 }
 
 /// An angle of view in degrees.
@@ -155,6 +176,16 @@ pub(super) fn angular_diameter(value: f64) -> Result<f32, String> {
 /// A rotation in degrees.
 pub(super) fn rotation(value: f64) -> Result<f32, String> {
     within(value, -MAX_ROTATION..=MAX_ROTATION)
+}
+
+/// The height of a sun over the horizon, in degrees.
+pub(super) fn elevation(value: f64) -> Result<f32, String> {
+    within(value, 0.0..=90.0)
+}
+
+/// How much haze there is in the air.
+pub(super) fn turbidity(value: f64) -> Result<f32, String> {
+    within(value, 2.0..=10.0)
 }
 
 /// What the radiances of an environment are multiplied by.

@@ -4,10 +4,12 @@ use super::bounds::{self, MAX_COORDINATE, MAX_TEXELS, MAX_TEXTURE_SIDE};
 use super::camera::NamedCamera;
 use super::description::Scene;
 use super::film::FilmSize;
-use super::material::{Attenuation, Material, Opacity, Principled, Reflectance};
+use super::material::{Attenuation, Maps, Material, Opacity, Principled, Reflectance};
 use super::mesh::Mesh;
+use super::metal::Conductor;
 use super::texture::Texture;
 use glam::Vec3;
+use raystream_shaders::scene::media::MOST_BODIES;
 
 /// What is wrong with a scene.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -49,6 +51,14 @@ impl Scene {
         for (index, material) in self.materials.iter().enumerate() {
             self.check_material(material).map_err(at(&format!("materials[{index}]")))?;
         }
+        let bodies = self.bodies().len();
+        if self.has_media() && bodies > MOST_BODIES as usize {
+            let what = format!(
+                "bound {bodies} kinds of bodies, of glass or water, but where one of them absorbs light or \
+                 has a priority there are at most {MOST_BODIES}"
+            );
+            return Err(at("materials")(what));
+        }
         for (index, mesh) in self.meshes.iter().enumerate() {
             self.check_mesh(mesh).map_err(|InvalidScene { place, what }| InvalidScene {
                 place: format!("meshes[{index}].{place}"),
@@ -85,7 +95,8 @@ impl Scene {
             Material::Diffuse { reflectance: Reflectance::Texture(texture) } => {
                 in_range("texture", texture.0, self.textures.len(), "textures")
             }
-            Material::Dielectric { ior, transmittance, reflectance } => {
+            Material::Dielectric { ior, transmittance, reflectance, attenuation, priority } => {
+                check_body(attenuation, priority, true)?;
                 bounds::ior(ior.into()).map_err(|what| format!("ior {what}"))?;
                 share("transmittance", transmittance)?;
                 share("reflectance", reflectance)
@@ -126,10 +137,17 @@ impl Scene {
         named("ior", bounds::ior(material.ior.into()).map(drop))?;
         named("specular", bounds::factor(&values(material.specular)).map(drop))?;
         named("sheen", bounds::reflectance(&values(material.sheen)).map(drop))?;
-        if let Some(Attenuation { colour, distance }) = material.attenuation {
-            named("attenuation.colour", bounds::reflectance(&values(colour)).map(drop))?;
-            named("attenuation.distance", bounds::attenuation_distance(distance.into()).map(drop))?;
+        if let Some(Conductor { eta, k }) = material.conductor {
+            named("conductor.eta", bounds::eta(&values(eta)).map(drop))?;
+            named("conductor.k", bounds::extinction(&values(k)).map(drop))?;
+            let Maps { base_colour, metallic, .. } = material.maps;
+            if material.metallic != 1.0 || base_colour.is_some() || metallic.is_some() {
+                let what = "conductor must be metal alone, without maps of colour and of metal";
+                return Err(what.to_owned());
+            }
         }
+        let has_body = Material::Principled(*material).body().is_some();
+        check_body(material.attenuation, material.priority, has_body)?;
         let (alpha, cutoff) = match material.opacity {
             Opacity::Opaque => (1.0, 0.0),
             Opacity::Mask { alpha, cutoff } => (alpha, cutoff),
@@ -213,6 +231,25 @@ fn in_range(name: &str, index: u32, count: usize, of: &str) -> Result<(), String
     }
 }
 
+fn check_body(
+    attenuation: Option<Attenuation>,
+    priority: Option<i32>,
+    has_body: bool,
+) -> Result<(), String> {
+    if let Some(Attenuation { colour, distance }) = attenuation {
+        bounds::reflectance(&values(colour)).map_err(|w| format!("attenuation.colour {w}"))?;
+        bounds::attenuation_distance(distance.into())
+            .map_err(|what| format!("attenuation.distance {what}"))?;
+    }
+    if let Some(priority) = priority {
+        bounds::priority(priority.into()).map_err(|what| format!("priority {what}"))?;
+        if !has_body {
+            return Err("priority is that of a body: of what light enters and has no holes".into());
+        }
+    }
+    Ok(())
+}
+
 fn check_texture(texture: &Texture) -> Result<(), String> {
     let Texture { width, height, texels, wrap: _ } = texture;
     if [width, height].iter().any(|side| !(1..=MAX_TEXTURE_SIDE).contains(side)) {
@@ -274,6 +311,7 @@ mod tests {
     use crate::scene::environment::Environment;
     use crate::scene::light::QuadLight;
     use crate::scene::material::MaterialId;
+    use crate::scene::metal::Metal;
     use crate::scene::texture::TextureId;
     use glam::Vec2;
 
@@ -313,7 +351,32 @@ mod tests {
             spoil(&mut material);
             Material::Principled(material)
         };
-        let cases: [(&str, &dyn Fn(&mut Scene)); 32] = [
+        let cases: [(&str, &dyn Fn(&mut Scene)); 38] = [
+            ("materials[0]", &|s| {
+                let gold = Principled::conductor(Metal::Gold.conductor(), 0.1);
+                s.materials[0] = Material::Principled(Principled { metallic: 0.5, ..gold });
+            }),
+            ("materials[0]", &|s| {
+                let of_nothing = Conductor { eta: Vec3::ZERO, k: Vec3::ONE };
+                let metal = Principled::conductor(of_nothing, 0.1);
+                s.materials[0] = Material::Principled(metal);
+            }),
+            ("materials[0]", &|s| s.materials[0] = principled(|m| m.priority = Some(1))),
+            ("materials[0]", &|s| {
+                s.materials[0] = principled(|m| {
+                    (m.transmission, m.priority) = (1.0, Some(1001));
+                });
+            }),
+            ("materials[0]", &|s| {
+                s.materials[0] = principled(|m| {
+                    (m.transmission, m.thin_walled, m.priority) = (1.0, true, Some(1));
+                });
+            }),
+            ("materials", &|s| {
+                let water = Principled { priority: Some(1), ..Principled::glass(1.3, 0.0) };
+                let liquids = (0..256).map(|k| Principled { ior: 1.3 + k as f32 * 1e-3, ..water });
+                s.materials.extend(liquids.map(Material::Principled));
+            }),
             ("materials[0]", &|s| s.materials[0] = principled(|m| m.coat = -0.1)),
             ("materials[0]", &|s| s.materials[0] = principled(|m| m.sheen.x = 1.1)),
             ("materials[0]", &|s| {

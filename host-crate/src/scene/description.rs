@@ -6,7 +6,7 @@ use super::error::SceneError;
 use super::film::FilmSize;
 use super::light::{PunctualLight, QuadLight};
 use super::limits::PathLimits;
-use super::material::{Material, MaterialId};
+use super::material::{Body, Material, MaterialId};
 use super::mesh::Mesh;
 use super::texture::{Texture, TextureId};
 use glam::Vec3;
@@ -123,6 +123,21 @@ impl Scene {
             self.warnings.retain(|warning| !warning.ends_with(DARK));
         }
         self.environment = Some(environment);
+    }
+
+    /// Whether paths must know what they are in: whether any body absorbs light or has a priority.
+    pub fn has_media(&self) -> bool {
+        let matters = |body: Body| body.priority.is_some() || body.absorption != Vec3::ZERO;
+        self.materials.iter().filter_map(Material::body).any(matters)
+    }
+
+    /// Its bodies, those without a priority first. Materials that are alike in all that a body is
+    /// bound one.
+    pub(crate) fn bodies(&self) -> Vec<Body> {
+        let mut bodies: Vec<Body> = self.materials.iter().filter_map(Material::body).collect();
+        bodies.sort_by_key(Body::key);
+        bodies.dedup_by_key(|body| body.key());
+        bodies
     }
 
     /// How many triangles it has, two for each quad light included.

@@ -1,5 +1,6 @@
 //! What surfaces are made of.
 
+use super::metal::Conductor;
 use super::texture::TextureId;
 use glam::Vec3;
 
@@ -29,6 +30,10 @@ pub enum Material {
         transmittance: Vec3,
         /// What remains of the reflected light, each component in [0, 1].
         reflectance: Vec3,
+        /// What the medium takes of light on its way; `None` for what is clear.
+        attenuation: Option<Attenuation>,
+        /// See [`Principled::priority`].
+        priority: Option<i32>,
     },
     /// A lamp: emits from the front, and reflects by Lambert's law on both sides.
     Emissive {
@@ -51,6 +56,9 @@ pub struct Principled {
     pub base_colour: Vec3,
     /// Share of metal, in [0, 1].
     pub metallic: f32,
+    /// What metal it is, if that is known better than by its colour, with reflection by Fresnel's
+    /// equations: then `metallic` is 1, and the colour is what it reflects straight on.
+    pub conductor: Option<Conductor>,
     /// Roughness, in [0, 1]: the root of the microfacets' slope. What is below 0.032 counts as
     /// that.
     pub roughness: f32,
@@ -67,9 +75,13 @@ pub struct Principled {
     /// Whether what passes does not enter a body, but leaves through a second surface right behind
     /// the first: panes, soap bubbles, leaves. It is not bent then.
     pub thin_walled: bool,
-    /// What the body behind the front takes of light, on the way through from boundary to boundary;
-    /// `None` for what is clear. It needs `transmission`, and has no effect where it is thin.
+    /// What the body behind the front takes of light on its way; `None` for what is clear. It has
+    /// no effect where there is no [body](Material::body).
     pub attenuation: Option<Attenuation>,
+    /// Where bodies overlap, that of the highest priority is there, in [-1000, 1000], and the
+    /// index of refraction is absolute. `None`: it is there in whatever it is entered from, and the
+    /// index is relative to that, unless that has a priority. It needs a [body](Material::body).
+    pub priority: Option<i32>,
     /// Share of the surface that has a clear coat of index of refraction 1.5, in [0, 1].
     pub coat: f32,
     /// Roughness of the coat, in [0, 1].
@@ -178,18 +190,14 @@ impl Principled {
         self.coat > 0.0 || self.sheen != Vec3::ZERO
     }
 
-    /// The index of refraction as kernels have it.
-    pub(crate) fn distinct_ior(&self) -> f32 {
-        const LEAST: f32 = 1e-3;
-        if (self.ior - 1.0).abs() < LEAST { 1.0 + LEAST } else { self.ior }
-    }
-
-    /// What its body takes of light by world unit, linear Rec.709; zero where it has none or is
-    /// clear.
-    pub fn absorption(&self) -> Vec3 {
-        let has_body = self.transmission > 0.0 && !self.thin_walled;
-        let attenuation = self.attenuation.filter(|_| has_body);
-        attenuation.map_or(Vec3::ZERO, |attenuation| attenuation.absorption())
+    /// Whether its surface bounds a body: light passes, enters, and finds no holes.
+    fn has_body(&self) -> bool {
+        let is_whole = match self.opacity {
+            Opacity::Opaque => true,
+            Opacity::Mask { alpha, cutoff } => alpha >= cutoff && self.maps.base_colour.is_none(),
+            Opacity::Blend { alpha } => alpha == 1.0 && self.maps.base_colour.is_none(),
+        };
+        self.transmission > 0.0 && !self.thin_walled && is_whole
     }
 
     /// Paint of this `colour`, linear Rec.709, each component in [0, 1], and `roughness` in [0, 1].
@@ -197,12 +205,14 @@ impl Principled {
         Self {
             base_colour: colour,
             metallic: 0.0,
+            conductor: None,
             roughness,
             ior: 1.5,
             specular: Vec3::ONE,
             transmission: 0.0,
             thin_walled: false,
             attenuation: None,
+            priority: None,
             coat: 0.0,
             coat_roughness: 0.0,
             sheen: Vec3::ZERO,
@@ -219,10 +229,43 @@ impl Principled {
         Self { metallic: 1.0, ..Self::paint(colour, roughness) }
     }
 
+    /// Metal of this index of refraction, of a `roughness` in [0, 1].
+    pub fn conductor(conductor: Conductor, roughness: f32) -> Self {
+        let colour = conductor.normal_reflectance();
+        Self { conductor: Some(conductor), ..Self::metal(colour, roughness) }
+    }
+
     /// Clear glass of a `roughness` in [0, 1] and an index of refraction in [0.01, 100].
     pub fn glass(ior: f32, roughness: f32) -> Self {
         Self { transmission: 1.0, ior, ..Self::paint(Vec3::ONE, roughness) }
     }
+}
+
+/// What is behind the fronts of a closed surface that light enters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Index of refraction.
+    pub ior: f32,
+    /// What it takes of light by world unit, linear Rec.709.
+    pub absorption: Vec3,
+    /// See [`Principled::priority`].
+    pub priority: Option<i32>,
+    /// Whether its boundary may be rough.
+    pub is_rough: bool,
+}
+
+impl Body {
+    /// What bodies are sorted by: those without a priority first.
+    pub(crate) fn key(&self) -> (Option<i32>, [u32; 4], bool) {
+        let Vec3 { x, y, z } = self.absorption;
+        (self.priority, [self.ior, x, y, z].map(f32::to_bits), self.is_rough)
+    }
+}
+
+/// An index of refraction as kernels have it of boundaries that may be rough.
+pub(crate) fn distinct_ior(ior: f32) -> f32 {
+    const LEAST: f32 = 1e-3;
+    if (ior - 1.0).abs() < LEAST { 1.0 + LEAST } else { ior }
 }
 
 /// A reflectance: one colour, or a texture's.
@@ -252,7 +295,14 @@ impl Material {
 
     /// Clear glass of this index of refraction, in [0.01, 100].
     pub fn glass(ior: f32) -> Self {
-        Self::Dielectric { ior, transmittance: Vec3::ONE, reflectance: Vec3::ONE }
+        let (attenuation, priority) = (None, None);
+        Self::Dielectric {
+            ior,
+            transmittance: Vec3::ONE,
+            reflectance: Vec3::ONE,
+            attenuation,
+            priority,
+        }
     }
 
     /// A lamp of this radiance, linear Rec.709, that reflects nothing.
@@ -275,6 +325,19 @@ impl Material {
             Self::Principled(principled) => Some(principled),
             _ => None,
         }
+    }
+
+    /// The body that it bounds: glass and water, smooth or rough, without holes.
+    pub fn body(&self) -> Option<Body> {
+        let (ior, attenuation, priority, is_rough) = match *self {
+            Self::Dielectric { ior, attenuation, priority, .. } => {
+                (ior, attenuation, priority, false)
+            }
+            Self::Principled(ref p) if p.has_body() => (p.ior, p.attenuation, p.priority, true),
+            _ => return None,
+        };
+        let absorption = attenuation.map_or(Vec3::ZERO, |attenuation| attenuation.absorption());
+        Some(Body { ior, absorption, priority, is_rough })
     }
 
     /// Whether it may have holes, by the alpha of its texture too.

@@ -37,6 +37,7 @@ mod load;
 mod material;
 mod memory;
 pub(crate) mod mesh;
+mod metal;
 mod obj;
 mod options;
 mod picture;
@@ -44,6 +45,7 @@ mod ply;
 mod recentre;
 mod rule;
 mod shipped;
+mod sky;
 mod source;
 mod summary;
 mod text;
@@ -58,10 +60,14 @@ pub use film::FilmSize;
 pub use light::{PunctualLight, QuadLight};
 pub use limits::PathLimits;
 pub use load::{embedded, load, load_named};
+pub(crate) use material::distinct_ior;
 pub use material::{
-    Attenuation, Channel, Maps, Material, MaterialId, NormalMap, Opacity, Principled, Reflectance,
+    Attenuation, Body, Channel, Maps, Material, MaterialId, NormalMap, Opacity, Principled,
+    Reflectance,
 };
 pub use mesh::Mesh;
+pub use metal::{Conductor, Metal};
 pub use options::LoadOptions;
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, shipped};
+pub use sky::Sky;
 pub use texture::{Texture, TextureId, Wrap};

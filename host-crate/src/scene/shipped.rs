@@ -38,7 +38,7 @@ const ARCHIVE: &str = "https://casual-effects.com/data/";
 /// The scene that is rendered when none is named.
 pub const DEFAULT_SCENE: &str = "cornell_ball";
 
-const SHIPPED: [ShippedScene; 6] = [
+const SHIPPED: [ShippedScene; 9] = [
     ShippedScene {
         name: DEFAULT_SCENE,
         description: "Cornell box with a block and a mirror ball",
@@ -57,6 +57,21 @@ const SHIPPED: [ShippedScene; 6] = [
     ShippedScene {
         name: "caustics",
         description: "Cornell box lit only by a lamp inside a glass ball: all light is a caustic, or comes from one",
+        geometry: SceneGeometry::BuiltIn,
+    },
+    ShippedScene {
+        name: "tea",
+        description: "Iced tea in a glass, on linen, with copper and gold: bodies that overlap, by priority",
+        geometry: SceneGeometry::BuiltIn,
+    },
+    ShippedScene {
+        name: "metals",
+        description: "Metals as they have been measured, and lacquer, under an afternoon's sky",
+        geometry: SceneGeometry::BuiltIn,
+    },
+    ShippedScene {
+        name: "daylight",
+        description: "Velvet, glass, frosted glass and amber under a low sun, through a lens",
         geometry: SceneGeometry::BuiltIn,
     },
     ShippedScene {

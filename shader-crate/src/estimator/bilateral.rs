@@ -13,7 +13,7 @@ use crate::estimator::guide::{Guide, mean_of_squares, unpack_normal};
 use crate::estimator::{ErrorForm, Estimate};
 use crate::film::FilmPixel;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
-use crate::glam::Vec3;
+use crate::glam::{Vec3, Vec4};
 use crate::math::UNIT_ROUNDOFF;
 use crate::memory::access::at;
 use crate::memory::device_struct;
@@ -221,7 +221,7 @@ fn contrast(params: &FilterParams, guides: &[Guide], rank: u32) -> f32 {
 
 /// The pixel that is filtered, with all that its neighbours' weights have in common. The factors
 /// are of squared differences.
-struct Centre {
+pub struct Centre {
     guide: Guide,
     normal: Vec3,
     pixel_factor: f32,
@@ -234,7 +234,8 @@ struct Centre {
 }
 
 impl Centre {
-    fn new(params: &FilterParams, guide: &Guide) -> Self {
+    /// Of a pixel that is measured.
+    pub fn new(params: &FilterParams, guide: &Guide) -> Self {
         let factor = |sigma: f32| 0.5 / (sigma * sigma);
         let normal = unpack_normal(guide.normal);
         let view = guide.position - params.origin;
@@ -260,28 +261,60 @@ impl Centre {
     /// do not count.
     #[inline(always)]
     fn exponent(&self, tap: &Guide, squared_pixels: f32) -> f32 {
-        let surface = self.guide.has_surface();
-        if !tap.is_measured() || tap.has_surface() != surface {
+        if !self.is_comparable(tap) {
             return LARGEST_EXPONENT;
         }
         let mut exponent = self.pixel_factor * squared_pixels;
-        if surface {
-            exponent += self.position_factor
-                * (tap.position - self.guide.position).length_squared()
-                + self.albedo_factor * (tap.albedo - self.guide.albedo).length_squared();
+        if self.guide.has_surface() {
+            exponent += self.position_exponent(tap) + self.albedo_exponent(tap);
             if exponent >= LARGEST_EXPONENT {
                 return LARGEST_EXPONENT;
             }
             // Most neighbours lie on the same flat surface.
             if tap.normal != self.guide.normal {
-                exponent +=
-                    self.normal_factor * (unpack_normal(tap.normal) - self.normal).length_squared();
+                exponent += self.normal_exponent(tap);
             }
         }
         if self.color {
             exponent += self.color_exponent(tap);
         }
         exponent
+    }
+
+    /// Whether a neighbour is measured, and shows a surface where the pixel does.
+    pub fn is_comparable(&self, tap: &Guide) -> bool {
+        tap.is_measured() && tap.has_surface() == self.guide.has_surface()
+    }
+
+    /// The negative logarithms of the weights of a neighbour that is comparable, by pixel distance,
+    /// world distance, normals and albedos.
+    pub fn distances(&self, tap: &Guide, squared_pixels: u32) -> Vec4 {
+        let mut distances = Vec4::new(self.pixel_factor * squared_pixels as f32, 0.0, 0.0, 0.0);
+        if self.guide.has_surface() {
+            distances.y = self.position_exponent(tap);
+            if tap.normal != self.guide.normal {
+                distances.z = self.normal_exponent(tap);
+            }
+            distances.w = self.albedo_exponent(tap);
+        }
+        distances
+    }
+
+    fn position_exponent(&self, tap: &Guide) -> f32 {
+        self.position_factor * (tap.position - self.guide.position).length_squared()
+    }
+
+    fn normal_exponent(&self, tap: &Guide) -> f32 {
+        self.normal_factor * (unpack_normal(tap.normal) - self.normal).length_squared()
+    }
+
+    fn albedo_exponent(&self, tap: &Guide) -> f32 {
+        self.albedo_factor * (tap.albedo - self.guide.albedo).length_squared()
+    }
+
+    /// A variance so small that colours which differ by it are equal.
+    pub fn color_floor(&self) -> f32 {
+        self.color_floor
     }
 
     /// How clearly two colours differ.

@@ -10,7 +10,7 @@ use crate::integrator::params::PathParams;
 use crate::memory::device_struct;
 use crate::scene::abilities::Abilities;
 use crate::scene::surface::Surface;
-use crate::scene::{SceneParams, SceneView, TracingParams};
+use crate::scene::{Encounter, SceneParams, SceneView, TracingParams};
 
 /// Camera rays that the features of a pixel average at most.
 pub const FEATURE_SAMPLES: u32 = 32;
@@ -67,9 +67,9 @@ pub fn first_hits(
     while sums.samples < params.samples {
         let slot = Slot { rank: params.first_rank + lane, sample: sums.samples };
         let ray = params.path.camera_ray(scene.abilities(), slot, &params.path.numbers(slot));
-        let hit = scene.closest_hit(&ray);
+        let Encounter { hit, sides } = scene.meet(&ray, scene.surfaces.media_of_camera());
         if hit.is_some() {
-            let surface = Surface::at(&scene.surfaces, &ray, &hit);
+            let surface = Surface::at(&scene.surfaces, &ray, &hit, sides);
             sums.albedo += surface.bsdf.reflectance;
             sums.hits += 1;
             sums.normal += surface.bsdf.normal;

@@ -29,7 +29,7 @@ pub fn trace_slot(
         return Contribution::NOTHING;
     }
     let numbers = params.numbers(slot);
-    let mut path = Path::begin(params, scene.abilities(), slot, &numbers);
+    let mut path = Path::begin(params, scene, slot, &numbers);
     while path.extend(params, scene, &numbers) {}
     path.contribution()
 }

@@ -3,9 +3,11 @@
 //! Whoever asks weighs it against the other techniques that could have found the same light.
 
 use crate::glam::Vec3;
+use crate::scene::SceneView;
 use crate::scene::abilities::Abilities;
-use crate::scene::light::{LightSample, LightView};
-use crate::scene::ray::Ray;
+use crate::scene::light::LightSample;
+use crate::scene::media::Media;
+use crate::scene::ray::{NO_END, Ray};
 use crate::scene::surface::Surface;
 
 /// Light from a sampled point, not yet known to be visible.
@@ -19,6 +21,8 @@ pub struct NextEvent {
     /// What it adds to a path of throughput 1 if nothing occludes it and no other technique finds
     /// it.
     pub radiance: Vec3,
+    /// What the way to the light starts in.
+    pub media: Media,
 }
 
 impl NextEvent {
@@ -26,19 +30,23 @@ impl NextEvent {
     /// the `point` on it. The path arrived along `incoming`.
     #[inline(always)]
     pub fn sample(
-        lights: &LightView<'_, impl Abilities>,
+        scene: &SceneView<'_, impl Abilities>,
         surface: &Surface<'_, impl Abilities>,
         incoming: Vec3,
         choice: u32,
         point: [u32; 2],
     ) -> Self {
-        let light = lights.sample(&surface.point, choice, point);
+        let light = scene.lights.sample(&surface.point, choice, point);
         let bsdf = surface.bsdf.eval(incoming, light.direction);
         let reaches = light.pdf > 0.0 && bsdf.pdf > 0.0;
+        let media = surface.media_towards(light.direction);
+        let length = if light.is_distant { NO_END } else { light.distance };
+        let arrives = light.radiance * scene.surfaces.transmittance(media, length);
         Self {
             light,
             bsdf_pdf: if reaches { bsdf.pdf } else { 0.0 },
-            radiance: bsdf.weight * light.radiance * (bsdf.pdf / light.pdf),
+            radiance: bsdf.weight * arrives * (bsdf.pdf / light.pdf),
+            media,
         }
     }
 

@@ -12,11 +12,11 @@ use crate::integrator::nee::NextEvent;
 use crate::integrator::params::{BSDF_SAMPLING_ALONE, LIGHT_SAMPLING_ALONE, PathParams};
 use crate::math::power_heuristic;
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, unit_float};
-use crate::scene::SceneView;
 use crate::scene::abilities::Abilities;
-use crate::scene::light::LightView;
-use crate::scene::ray::{Hit, Ray};
+use crate::scene::media::Media;
+use crate::scene::ray::{NO_END, Ray};
 use crate::scene::surface::Surface;
+use crate::scene::{Encounter, SceneView};
 
 /// A path under way.
 #[derive(Clone, Copy)]
@@ -33,6 +33,8 @@ pub struct Path {
     pub radiance: Vec3,
     /// Rays traced, shadow rays included.
     pub rays: u32,
+    /// What the next segment starts in.
+    pub media: Media,
 }
 
 /// What a path does at the end of a segment.
@@ -44,7 +46,7 @@ pub struct Bounce {
     pub goes_on: bool,
 }
 
-/// Light from a sampled point, not yet known to be visible. 48 bytes: naga takes a struct with
+/// Light from a sampled point, not yet known to be visible. 64 bytes: naga takes a struct with
 /// vectors for a multiple of 16 bytes long, also inside another.
 #[derive(Clone, Copy)]
 #[repr(C)]
@@ -55,13 +57,17 @@ pub struct SampledLight {
     pub radiance: Vec3,
     /// 1 if there is any, else 0.
     count: u32,
+    /// What the segment starts in.
+    pub media: Media,
+    /// Unused; zero.
+    pad: [u32; 3],
 }
 
 impl SampledLight {
     /// No point was sampled, or one that cannot light the surface.
     pub fn none() -> Self {
         let segment = Ray::segment(Vec3::ZERO, Vec3::ZERO, 0.0);
-        Self { segment, radiance: Vec3::ZERO, count: 0 }
+        Self { segment, radiance: Vec3::ZERO, count: 0, media: Media::NONE, pad: [0; 3] }
     }
 
     /// Whether there is a segment to test.
@@ -74,17 +80,18 @@ impl Path {
     /// The path of a slot that is not empty, at the camera.
     pub fn begin(
         params: &PathParams,
-        abilities: impl Abilities,
+        scene: &SceneView<'_, impl Abilities>,
         slot: Slot,
         numbers: &RandomNumbers,
     ) -> Self {
         Self {
-            ray: params.camera_ray(abilities, slot, numbers),
+            ray: params.camera_ray(scene.abilities(), slot, numbers),
             depth: 1,
             throughput: Vec3::ONE,
             pdf: 0.0,
             radiance: Vec3::ZERO,
             rays: 0,
+            media: scene.surfaces.media_of_camera(),
         }
     }
 
@@ -97,15 +104,16 @@ impl Path {
         scene: &SceneView<'_, impl Abilities>,
         numbers: &RandomNumbers,
     ) -> bool {
-        let hit = scene.closest_hit(&self.ray);
-        let bounce = self.shade(params, scene, numbers, &hit);
-        if bounce.light.is_some() && !scene.is_occluded(&bounce.light.segment) {
+        let encounter = scene.meet(&self.ray, self.media);
+        let bounce = self.shade(params, scene, numbers, &encounter);
+        let light = &bounce.light;
+        if light.is_some() && !scene.is_blocked(&light.segment, light.media) {
             self.radiance += bounce.light.radiance;
         }
         bounce.goes_on
     }
 
-    /// Gathers what is emitted at the end of the segment, which is `hit`, samples a light there and
+    /// Gathers what is emitted at the end of the segment, which is known, samples a light there and
     /// picks the next segment. Looks triangles up but traverses nothing: the sampled light is the
     /// caller's to test and to add.
     #[inline(always)]
@@ -114,10 +122,13 @@ impl Path {
         params: &PathParams,
         scene: &SceneView<'_, impl Abilities>,
         numbers: &RandomNumbers,
-        hit: &Hit,
+        encounter: &Encounter,
     ) -> Bounce {
         self.rays += 1;
         let mut light = SampledLight::none();
+        let Encounter { hit, sides } = *encounter;
+        let length = if hit.is_some() { hit.t } else { NO_END };
+        self.throughput *= scene.surfaces.transmittance(sides.here, length);
         if !hit.is_some() {
             // No light sample aims at the background, so this technique has it alone.
             self.radiance += self.throughput * scene.background;
@@ -129,8 +140,7 @@ impl Path {
             }
             return Bounce { light, goes_on: false };
         }
-        let surface = Surface::at(&scene.surfaces, &self.ray, hit);
-        self.throughput *= surface.transmittance(hit.t);
+        let surface = Surface::at(&scene.surfaces, &self.ray, &hit, sides);
         if surface.emits() {
             let cosine = self.ray.direction.dot(surface.point.normal).abs();
             let light_pdf = scene.lights.pdf_of_hit(surface.light_importance(), hit.t, cosine);
@@ -147,7 +157,7 @@ impl Path {
             && !scene.lights.is_empty()
         {
             let point = numbers.bits(of_vertex(vertex, LIGHT_POINT));
-            light = self.sample_light(params, &scene.lights, &surface, choice, point);
+            light = self.sample_light(params, scene, &surface, choice, point);
             self.rays += light.count;
         }
         let u = numbers.pair(of_vertex(vertex, BSDF));
@@ -158,6 +168,7 @@ impl Path {
             return Bounce { light, goes_on: false };
         }
         self.ray = Ray::new(surface.point.offset_towards(sample.direction), sample.direction);
+        self.media = surface.media_towards(sample.direction);
         self.depth += 1;
         Bounce { light, goes_on: true }
     }
@@ -179,12 +190,12 @@ impl Path {
     fn sample_light(
         &self,
         params: &PathParams,
-        lights: &LightView<'_, impl Abilities>,
+        scene: &SceneView<'_, impl Abilities>,
         surface: &Surface<'_, impl Abilities>,
         choice: u32,
         point: [u32; 2],
     ) -> SampledLight {
-        let event = NextEvent::sample(lights, surface, self.ray.direction, choice, point);
+        let event = NextEvent::sample(scene, surface, self.ray.direction, choice, point);
         if !event.is_some() {
             return SampledLight::none();
         }
@@ -194,6 +205,8 @@ impl Path {
             segment: event.segment(surface),
             radiance: self.throughput * event.radiance * weight,
             count: 1,
+            media: event.media,
+            pad: [0; 3],
         }
     }
 

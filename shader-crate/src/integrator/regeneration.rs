@@ -33,7 +33,7 @@ pub fn regenerate_paths(
     // Overwritten before it is used: the lane has no path yet.
     let (mut number, nobody) = (0, Slot { rank: 0, sample: 0 });
     let mut numbers = params.numbers(nobody);
-    let mut path = Path::begin(params, scene.abilities(), nobody, &numbers);
+    let mut path = Path::begin(params, scene, nobody, &numbers);
     let mut is_under_way = false;
     let mut segments = 0;
     // One loop over segments, not one over paths around one over segments: lanes in step meet at
@@ -50,7 +50,7 @@ pub fn regenerate_paths(
             let slot = at(slots, number);
             if slot.rank != NO_PIXEL {
                 numbers = params.numbers(slot);
-                path = Path::begin(params, scene.abilities(), slot, &numbers);
+                path = Path::begin(params, scene, slot, &numbers);
                 is_under_way = true;
             } else {
                 contributions.set(number, Contribution::NOTHING);

@@ -24,6 +24,15 @@ pub fn float(row: UVec4) -> f32 {
     f32::from_bits(row.w)
 }
 
+/// Word number `index` of those that lie four to a row, from row `first` on.
+#[inline(always)]
+pub fn word(rows: &[UVec4], first: u32, index: u32) -> u32 {
+    let row = at(rows, first + index / 4);
+    let [low, high] = [[row.x, row.y], [row.z, row.w]];
+    let [even, odd] = if index & 2 == 0 { low } else { high };
+    if index & 1 == 0 { even } else { odd }
+}
+
 /// Two rows of a buffer, from row `first` on.
 #[inline(always)]
 pub fn two_rows(rows: &[UVec4], first: u32) -> [UVec4; 2] {
@@ -54,11 +63,4 @@ pub fn five_rows(rows: &[UVec4], first: u32) -> [UVec4; 5] {
 pub fn six_rows(rows: &[UVec4], first: u32) -> [UVec4; 6] {
     let [a, b, c, d, e] = five_rows(rows, first);
     [a, b, c, d, e, at(rows, first + 5)]
-}
-
-/// Seven rows of a buffer, from row `first` on.
-#[inline(always)]
-pub fn seven_rows(rows: &[UVec4], first: u32) -> [UVec4; 7] {
-    let [a, b, c, d, e, f] = six_rows(rows, first);
-    [a, b, c, d, e, f, at(rows, first + 6)]
 }

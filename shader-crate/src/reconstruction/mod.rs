@@ -2,14 +2,17 @@
 //! alike.
 //!
 //! All filters go the same way. [`halves`] makes what they look at: guides, the means of both
-//! halves, and variances that are measured and not assumed. A filter, a file each, turns these into
-//! [`FilteredPixel`](crate::estimator::filtered::FilteredPixel)s. [`guard`] then says how far a pixel may trust its filter and what error is
-//! left, and [`mean`] gives the picture back the light that the filter has lost. Whatever the filter
-//! gets wrong, the picture therefore converges to the truth.
+//! halves, and variances that are measured and not assumed. A filter, a file or folder each, turns
+//! these into [`FilteredPixel`](crate::estimator::filtered::FilteredPixel)s; a [`mixture`] is one
+//! of two others. [`guard`] then says how far a pixel may trust its filter and what error is left,
+//! and [`mean`] gives the picture back the light that the filter has lost. Whatever the filter gets
+//! wrong, the picture therefore converges to the truth.
 
 pub mod guard;
 pub mod halves;
+pub mod learned;
 pub mod mean;
+pub mod mixture;
 pub mod nlm;
 pub mod regression;
 

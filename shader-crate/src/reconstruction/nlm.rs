@@ -7,7 +7,8 @@
 //!
 //! The lanes of a workgroup share a tile of the picture. For each offset of the window they compute
 //! the distances of all pixels of the tile and its border to those at the offset, sum these along
-//! rows, and then each lane along its column: a patch costs 14 additions and not 49.
+//! rows, and then each lane along its column: a patch costs 14 additions and not 49. They take
+//! several offsets at once, since lanes wait at every barrier.
 
 use super::PictureParams;
 use super::halves::share_of_first;
@@ -35,15 +36,22 @@ pub const PATCH: u32 = 3;
 const SIDE: u32 = 2 * WINDOW + 1;
 /// Offsets of the window.
 const OFFSETS: u32 = SIDE * SIDE;
-/// Two for each offset, and one to add up the last and divide.
-pub const PHASES: u32 = 2 * OFFSETS + 1;
+/// Offsets that lanes take at once: as many as their memory, of 16 KiB at most, has room for.
+const AT_ONCE: u32 = 7;
+/// Times that lanes do so.
+const TURNS: u32 = OFFSETS.div_ceil(AT_ONCE);
+/// Two for each turn, and one to add up the last and divide.
+pub const PHASES: u32 = 2 * TURNS + 1;
 
 /// Distances are of a tile and a border as wide as a patch needs.
 const BORDERED_WIDTH: u32 = TILE_WIDTH + 2 * PATCH;
 const BORDERED_HEIGHT: u32 = TILE_HEIGHT + 2 * PATCH;
+/// Distances at an offset, and sums of these along rows.
+const DISTANCES: u32 = BORDERED_WIDTH * BORDERED_HEIGHT;
+const SUMS: u32 = TILE_WIDTH * BORDERED_HEIGHT;
 /// Where the sums along rows begin, and the lanes' sums of weighted colours and of weights.
-const ROW_SUMS: u32 = BORDERED_WIDTH * BORDERED_HEIGHT;
-const TOTALS: u32 = ROW_SUMS + TILE_WIDTH * BORDERED_HEIGHT;
+const ROW_SUMS: u32 = AT_ONCE * DISTANCES;
+const TOTALS: u32 = ROW_SUMS + AT_ONCE * SUMS;
 
 /// The memory of a workgroup, bits of f32: distances, sums along rows, four totals for each lane.
 pub type Memory = [u32; (TOTALS + 4 * LANES) as usize];
@@ -86,16 +94,32 @@ impl NlmParams {
         Self { threads, width, height, strength, explained, row_shift, pad0: 0, pad1: 0 }
     }
 
-    /// The pixel nearest to a place, which may be outside the picture: its rank.
-    fn rank_near(&self, x: i32, y: i32) -> u32 {
-        let column = x.max(0).min(self.width as i32 - 1) as u32;
-        let row = y.max(0).min(self.height as i32 - 1) as u32;
-        rank_of_pixel(column, row, self.width, self.height)
+    /// The pixel nearest to a place, which may be outside the picture: its place in rows.
+    fn place_near(&self, x: i32, y: i32) -> u32 {
+        place_near(self.width, self.height, x, y)
     }
 
     fn contains(&self, x: i32, y: i32) -> bool {
         x >= 0 && y >= 0 && x < self.width as i32 && y < self.height as i32
     }
+}
+
+/// The pixel of a picture of a size that is nearest to a place, which may be outside: its place in
+/// rows.
+pub fn place_near(width: u32, height: u32, x: i32, y: i32) -> u32 {
+    let column = x.max(0).min(width as i32 - 1) as u32;
+    let row = y.max(0).min(height as i32 - 1) as u32;
+    row * width + column
+}
+
+/// Kernel: a half from rank order into rows, where neighbours are found faster.
+pub fn half_in_rows(
+    lane: u32,
+    params: &PictureParams,
+    half: &[Vec4],
+    rows: &mut Scatter<'_, Vec4>,
+) {
+    rows.set(params.row_index(lane), at(half, lane));
 }
 
 /// How far two pixels of a half differ beyond what their variances explain, over these: below 0
@@ -111,9 +135,9 @@ pub fn distance(strength: f32, explained: f32, a: Vec4, b: Vec4) -> f32 {
     if a.w < 0.0 || b.w < 0.0 { 0.0 } else { excess / (strength * noise + floor) }
 }
 
-/// Kernel, in phases: one half, `values`, filtered by the weights of the other, `weighers`; both in
-/// rank order, as the result is: the colour, and the part that the pixel's own has in it. What is
-/// not measured stays as it is, with a part of 1.
+/// Kernel, in phases: one half, `values`, filtered by the weights of the other, `weighers`, both in
+/// rows. The result is in rank order: the colour, and the part that the pixel's own has in it. What
+/// is not measured stays as it is, with a part of 1.
 pub fn filter_half(
     phase: u32,
     lane: Lane,
@@ -126,23 +150,24 @@ pub fn filter_half(
     let left = ((lane.group & ((1 << params.row_shift) - 1)) * TILE_WIDTH) as i32;
     let top = ((lane.group >> params.row_shift) * TILE_HEIGHT) as i32;
     let is_inside = params.contains(left, top);
-    let offset = phase / 2;
+    let turn = phase / 2;
     if phase & 1 == 0 {
         let x = left + (lane.index % TILE_WIDTH) as i32;
         let y = top + (lane.index / TILE_WIDTH) as i32;
         if params.contains(x, y) {
             if phase > 0 {
-                add_neighbour(params, lane.index, x, y, offset - 1, values, memory);
+                add_neighbours(params, lane.index, x, y, (turn - 1) * AT_ONCE, values, memory);
             } else {
                 clear_totals(lane.index, memory);
             }
-            if offset == OFFSETS {
+            if turn == TURNS {
                 let rank = rank_of_pixel(x as u32, y as u32, params.width, params.height);
-                filtered.set(rank, mean_of(lane.index, at(values, rank), memory));
+                let value = at(values, params.place_near(x, y));
+                filtered.set(rank, mean_of(lane.index, value, memory));
             }
         }
-        if is_inside && offset < OFFSETS {
-            measure_distances(params, lane.index, left, top, offset, weighers, memory);
+        if is_inside && turn < TURNS {
+            measure_distances(params, lane.index, left, top, turn * AT_ONCE, weighers, memory);
         }
     } else if is_inside {
         sum_rows(lane.index, memory);
@@ -154,26 +179,30 @@ fn step(offset: u32) -> (i32, i32) {
     ((offset % SIDE) as i32 - WINDOW as i32, (offset / SIDE) as i32 - WINDOW as i32)
 }
 
-/// Distances of the tile's pixels and its border's to those at an offset. Outside the picture they
-/// are those of the nearest pixels in it.
+/// Distances of the tile's pixels and its border's to those at the offsets from `first` on. Outside
+/// the picture they are those of the nearest pixels in it.
 fn measure_distances(
     params: &NlmParams,
     index: u32,
     left: i32,
     top: i32,
-    offset: u32,
+    first: u32,
     weighers: &[Vec4],
     memory: &mut Memory,
 ) {
-    let (dx, dy) = step(offset);
     let mut place = index;
-    while place < ROW_SUMS {
+    while place < DISTANCES {
         let x = left + (place % BORDERED_WIDTH) as i32 - PATCH as i32;
         let y = top + (place / BORDERED_WIDTH) as i32 - PATCH as i32;
-        let here = at(weighers, params.rank_near(x, y));
-        let there = at(weighers, params.rank_near(x + dx, y + dy));
-        *local_mut(memory, place) =
-            distance(params.strength, params.explained, here, there).to_bits();
+        let here = at(weighers, params.place_near(x, y));
+        let mut k = 0;
+        while k < AT_ONCE {
+            let (dx, dy) = step(first + k);
+            let there = at(weighers, params.place_near(x + dx, y + dy));
+            *local_mut(memory, k * DISTANCES + place) =
+                distance(params.strength, params.explained, here, there).to_bits();
+            k += 1;
+        }
         place += LANES;
     }
 }
@@ -181,8 +210,10 @@ fn measure_distances(
 /// Sums of distances along rows of a patch.
 fn sum_rows(index: u32, memory: &mut Memory) {
     let mut place = index;
-    while place < TOTALS - ROW_SUMS {
-        let first = place / TILE_WIDTH * BORDERED_WIDTH + place % TILE_WIDTH;
+    while place < AT_ONCE * SUMS {
+        let (offset, place_in) = (place / SUMS, place % SUMS);
+        let first =
+            offset * DISTANCES + place_in / TILE_WIDTH * BORDERED_WIDTH + place_in % TILE_WIDTH;
         let (mut sum, mut k) = (0.0, 0);
         while k < 2 * PATCH + 1 {
             sum += f32::from_bits(local(memory, first + k));
@@ -193,31 +224,40 @@ fn sum_rows(index: u32, memory: &mut Memory) {
     }
 }
 
-/// Adds the pixel at an offset, weighed by how alike the patches are.
-fn add_neighbour(
+/// Adds the pixels at the offsets from `first` on, weighed by how alike the patches are.
+fn add_neighbours(
     params: &NlmParams,
     index: u32,
     x: i32,
     y: i32,
-    offset: u32,
+    first: u32,
     values: &[Vec4],
     memory: &mut Memory,
 ) {
-    let (dx, dy) = step(offset);
-    let value = at(values, params.rank_near(x + dx, y + dy));
-    if params.contains(x + dx, y + dy) && value.w >= 0.0 {
-        let (mut sum, mut k) = (0.0, 0);
-        while k < 2 * PATCH + 1 {
-            sum += f32::from_bits(local(memory, ROW_SUMS + index + k * TILE_WIDTH));
-            k += 1;
+    let (mut color, mut weights) = (Vec3::ZERO, 0.0);
+    let mut offset = 0;
+    while offset < AT_ONCE {
+        let (dx, dy) = step(first + offset);
+        let value = at(values, params.place_near(x + dx, y + dy));
+        // Behind the last row of the window the last turn has nothing to add.
+        if first + offset < OFFSETS && params.contains(x + dx, y + dy) && value.w >= 0.0 {
+            let (mut sum, mut k) = (0.0, 0);
+            while k < 2 * PATCH + 1 {
+                let place = ROW_SUMS + offset * SUMS + index + k * TILE_WIDTH;
+                sum += f32::from_bits(local(memory, place));
+                k += 1;
+            }
+            let weight = (-(sum / AREA).max(0.0)).exp();
+            color += value.truncate() * weight;
+            weights += weight;
         }
-        let weight = (-(sum / AREA).max(0.0)).exp();
-        let (color, totals) = (value.truncate() * weight, TOTALS + index);
-        add(memory, totals, color.x);
-        add(memory, totals + LANES, color.y);
-        add(memory, totals + 2 * LANES, color.z);
-        add(memory, totals + 3 * LANES, weight);
+        offset += 1;
     }
+    let totals = TOTALS + index;
+    add(memory, totals, color.x);
+    add(memory, totals + LANES, color.y);
+    add(memory, totals + 2 * LANES, color.z);
+    add(memory, totals + 3 * LANES, weights);
 }
 
 fn add(memory: &mut Memory, place: u32, value: f32) {

@@ -8,7 +8,7 @@
 //! [`nlm`](super::nlm), with weights of one half for the values of the other, so that what no
 //! feature shows is not fitted.
 
-use super::nlm::distance;
+use super::nlm::{distance, place_near};
 use crate::estimator::guide::{Guide, unpack_normal};
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::{Vec3, Vec4};
@@ -58,11 +58,9 @@ device_struct! {
 }
 
 impl RegressionParams {
-    /// The pixel nearest to a place, which may be outside the picture: its rank.
-    fn rank_near(&self, x: i32, y: i32) -> u32 {
-        let column = x.max(0).min(self.width as i32 - 1) as u32;
-        let row = y.max(0).min(self.height as i32 - 1) as u32;
-        rank_of_pixel(column, row, self.width, self.height)
+    /// The pixel nearest to a place, which may be outside the picture: its place in rows.
+    fn place_near(&self, x: i32, y: i32) -> u32 {
+        place_near(self.width, self.height, x, y)
     }
 
     /// How alike the patches about two pixels of a half are, from 0 to 1.
@@ -71,8 +69,8 @@ impl RegressionParams {
         while row <= PATCH {
             let mut column = -PATCH;
             while column <= PATCH {
-                let here = at(weighers, self.rank_near(x + column, y + row));
-                let there = at(weighers, self.rank_near(x + column + dx, y + row + dy));
+                let here = at(weighers, self.place_near(x + column, y + row));
+                let there = at(weighers, self.place_near(x + column + dx, y + row + dy));
                 sum += distance(self.strength, self.explained, here, there);
                 column += 1;
             }
@@ -120,9 +118,9 @@ fn element(row: u32, column: u32) -> u32 {
     row * (row + 1) / 2 + column
 }
 
-/// Kernel: one half, `values`, as planes fitted with the weights of the other, `weighers`, in pixel
-/// `lane`: the colour, and how far it follows the pixel's own. What is not measured stays as it is,
-/// with 1.
+/// Kernel: one half, `values`, as planes fitted with the weights of the other, `weighers`, both in
+/// rows, in pixel `lane`: the colour, and how far it follows the pixel's own. What is not measured
+/// stays as it is, with 1.
 pub fn regress_half(
     lane: u32,
     params: &RegressionParams,
@@ -131,13 +129,13 @@ pub fn regress_half(
     values: &[Vec4],
     filtered: &mut Vec4,
 ) {
-    let (centre, own) = (at(guides, lane), at(values, lane));
+    let (x, y) = pixel_of_rank(lane, params.width, params.height);
+    let (x, y) = (x as i32, y as i32);
+    let (centre, own) = (at(guides, lane), at(values, params.place_near(x, y)));
     *filtered = own.truncate().extend(1.0);
     if own.w < 0.0 || !centre.is_measured() {
         return;
     }
-    let (x, y) = pixel_of_rank(lane, params.width, params.height);
-    let (x, y) = (x as i32, y as i32);
     let mut matrix = [0.0_f32; HALF as usize];
     let mut sums = [Vec3::ZERO; TERMS as usize];
     let reach = params.radius as i32;
@@ -147,8 +145,9 @@ pub fn regress_half(
         let mut column = (x - reach).max(0);
         while column <= (x + reach).min(last_column) {
             let (dx, dy) = (column - x, row - y);
-            let rank = params.rank_near(column, row);
-            let (tap, value) = (at(guides, rank), at(values, rank));
+            let rank = rank_of_pixel(column as u32, row as u32, params.width, params.height);
+            let tap = at(guides, rank);
+            let value = at(values, params.place_near(column, row));
             if value.w >= 0.0 && tap.has_surface() == centre.has_surface() {
                 let weight = params.weight(weighers, x, y, dx, dy);
                 if weight > SMALLEST_WEIGHT {

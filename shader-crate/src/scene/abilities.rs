@@ -37,8 +37,11 @@ pub const COVER: u32 = 1 << 7;
 /// Surfaces have holes, see [`crate::scene::bsdf::layers`].
 pub const HOLES: u32 = 1 << 8;
 
-/// Bodies absorb light, see [`crate::scene::surface::Surface::transmittance`].
-pub const ABSORPTION: u32 = 1 << 9;
+/// Bodies absorb light or have priorities, see [`crate::scene::media`].
+pub const MEDIA: u32 = 1 << 9;
+
+/// Principled surfaces are [conductors](crate::scene::bsdf::conductor).
+pub const CONDUCTORS: u32 = 1 << 10;
 
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;

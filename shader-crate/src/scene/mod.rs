@@ -3,12 +3,12 @@
 //! ```text
 //! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene
 //! surfaces: triangles, for shading | attributes | materials | lights | albedos of surfaces
-//!           | layers | albedos of boundaries and of sheen | maps of emission
+//!           | layers | albedos of boundaries and of sheen, conductors | maps of emission | bodies
 //! texels:   textures, see `texture` | environment, see `environment`
 //! ```
 //!
 //! Albedos and layers are there where the scene has principled materials, maps where textures say
-//! what triangles emit.
+//! what triangles emit, bodies, see [`media`], where paths must know what they are in.
 //!
 //! What traversal reads lies in `geometry`, what shading reads in `surfaces`. They are few because
 //! a kernel may bind few buffers (WebGPU promises eight), and two because each can then hold the
@@ -22,6 +22,7 @@ pub mod bvh;
 pub mod camera;
 pub mod environment;
 pub mod light;
+pub mod media;
 pub mod ray;
 pub mod surface;
 pub mod texture;
@@ -29,11 +30,12 @@ pub mod triangle;
 
 use crate::glam::{UVec4, Vec3};
 use crate::memory::device_struct;
-use abilities::{Abilities, HOLES};
+use abilities::{Abilities, HOLES, MEDIA};
 use bvh::{BvhView, Order};
 use environment::EnvironmentView;
 use light::{Light, LightView};
-use ray::{Hit, Ray};
+use media::{Body, Media, MediaView, Sides};
+use ray::{Hit, Ray, offset_distance};
 use surface::SurfaceView;
 use texture::TextureView;
 
@@ -67,10 +69,10 @@ device_struct! {
         pub environment: u32,
         /// Row of `surfaces` with the first map of emission.
         pub first_emission_map: u32,
+        /// Row of `surfaces` with the header of the [bodies](media), or [`media::NO_MEDIA`].
+        pub first_media: u32,
         /// Unused; zero.
-        pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
+        pub pad: u32,
     }
 }
 
@@ -116,6 +118,7 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 first_albedos: params.first_light + params.lights * Light::ROWS,
                 offset_roundings: params.offset_roundings,
                 textures,
+                media: MediaView { rows: surfaces, first: params.first_media },
                 abilities,
             },
             lights: LightView {
@@ -134,37 +137,139 @@ impl<'a, A: Abilities> SceneView<'a, A> {
     }
 
     /// The nearest surface that `ray` hits in `0 < t < ray.t_max`, holes left out; of several the
-    /// first in the scene.
+    /// first in the scene. Boundaries of bodies are surfaces like any.
     #[inline(always)]
     pub fn closest_hit(&self, ray: &Ray) -> Hit {
-        self.hit(ray, false)
+        self.encounter(ray, Media::NONE, false, false).hit
     }
 
-    /// Whether `ray` hits any surface in `0 < t < ray.t_max`, holes left out.
+    /// Whether `ray` hits any surface in `0 < t < ray.t_max`, holes left out. Boundaries of bodies
+    /// are surfaces like any.
     #[inline(always)]
     pub fn is_occluded(&self, ray: &Ray) -> bool {
-        self.hit(ray, true).is_some()
+        self.encounter(ray, Media::NONE, true, false).hit.is_some()
     }
 
-    /// The nearest surface that is no hole; if `any` will do, another one perhaps.
+    /// The nearest surface that a path in `media` meets along `ray`, in `0 < t < ray.t_max`, holes
+    /// left out, and what is on its two sides. Boundaries of bodies that others hide are passed.
     #[inline(always)]
-    fn hit(&self, ray: &Ray, any: bool) -> Hit {
-        // Where there are holes, surfaces are looked for in order, so that none is met twice.
-        let has_holes = self.surfaces.abilities.has(HOLES);
-        let order = Order { any: any && !has_holes, behind: has_holes };
+    pub fn meet(&self, ray: &Ray, media: Media) -> Encounter {
+        self.encounter(ray, media, false, self.surfaces.has_media())
+    }
+
+    /// Whether a path in `media` would [meet](Self::meet) anything along `ray`.
+    #[inline(always)]
+    pub fn is_blocked(&self, ray: &Ray, media: Media) -> bool {
+        self.encounter(ray, media, true, self.surfaces.has_media()).hit.is_some()
+    }
+
+    /// The nearest surface that is no hole and, if `crosses`, no boundary of what is hidden;
+    /// perhaps another one if `any` will do.
+    #[inline(always)]
+    fn encounter(&self, ray: &Ray, media: Media, any: bool, crosses: bool) -> Encounter {
+        let abilities = self.surfaces.abilities;
+        // Where surfaces may be passed they are looked for in order, so that none is met twice.
+        let is_ordered = abilities.has(HOLES) || abilities.has(MEDIA);
+        let order = Order { any: any && !is_ordered, behind: is_ordered };
         let mut passed = Hit::miss(0.0);
+        let mut t_max = ray.t_max;
+        let mut boundary = Boundary::none(media);
         loop {
-            let hit = self.bvh.traverse(ray, &passed, order);
-            if !has_holes || !hit.is_some() || !self.surfaces.is_hole(ray, &hit) {
-                return hit;
+            let segment = Ray::segment(ray.origin, ray.direction, t_max);
+            let hit = self.bvh.traverse(&segment, &passed, order);
+            if abilities.has(HOLES) && hit.is_some() && self.surfaces.is_hole(ray, &hit) {
+                passed = hit;
+                continue;
             }
-            passed = hit;
+            if !abilities.has(MEDIA) || !crosses {
+                return Encounter { hit, sides: Sides::both(media) };
+            }
+            let mut body = Body::NONE;
+            if hit.is_some() {
+                body = self.surfaces.body(&hit);
+            }
+            if body.is_some() {
+                let from_front = ray.direction.dot(self.bvh.plane(hit.triangle).normal) < 0.0;
+                if !boundary.is_some() {
+                    t_max = ray.t_max.min(hit.t + self.reach_of_touch(ray, &hit));
+                }
+                boundary = boundary.crossed(&hit, body, from_front);
+                passed = hit;
+            } else if boundary.is_some() && !hit.is_some() {
+                // Nothing else is there where the boundary is.
+                if boundary.sides.differ() {
+                    return Encounter { hit: boundary.hit, sides: boundary.sides };
+                }
+                boundary = Boundary::none(boundary.sides.beyond);
+                t_max = ray.t_max;
+            } else {
+                // What is no boundary, or nothing at all.
+                return Encounter { hit, sides: Sides::both(boundary.sides.here) };
+            }
         }
+    }
+
+    /// How far along `ray`, in units of its direction's length, surfaces touch that which it `hit`:
+    /// as far as the origin of a ray that goes on behind it would be.
+    fn reach_of_touch(&self, ray: &Ray, hit: &Hit) -> f32 {
+        let point = ray.origin + ray.direction * hit.t;
+        let distance = offset_distance(self.surfaces.offset_roundings, point.abs().max_element());
+        let normal = self.bvh.plane(hit.triangle).normal;
+        distance / ray.direction.dot(normal).abs().max(f32::MIN_POSITIVE)
     }
 
     /// What the scene uses.
     #[inline(always)]
     pub fn abilities(&self) -> A {
         self.surfaces.abilities
+    }
+}
+
+/// What a path meets at the end of a segment.
+#[derive(Clone, Copy)]
+pub struct Encounter {
+    /// Where, if there [is something](Hit::is_some).
+    pub hit: Hit,
+    /// What is on its two sides; of nothing, what the path ends in.
+    pub sides: Sides,
+}
+
+/// Boundaries that are crossed at one place.
+#[derive(Clone, Copy)]
+struct Boundary {
+    /// The one that light meets.
+    hit: Hit,
+    /// Its body's number.
+    number: u32,
+    /// The first of them: its body's number, twice, and 1 more if it was seen from the front.
+    first: u32,
+    /// What is on both sides of all of them.
+    sides: Sides,
+}
+
+impl Boundary {
+    /// None so far, of a path in `media`.
+    fn none(media: Media) -> Self {
+        Self { hit: Hit::miss(0.0), number: 0, first: 0, sides: Sides::both(media) }
+    }
+
+    fn is_some(&self) -> bool {
+        self.number != 0
+    }
+
+    /// With that of `body`, of which a ray has `hit` this side. Light meets the one of the highest
+    /// priority. A ray through an edge hits the triangles on both sides of it.
+    fn crossed(self, hit: &Hit, body: Body, from_front: bool) -> Self {
+        let side = body.number * 2 + from_front as u32;
+        if side == self.first {
+            return self;
+        }
+        let is_met = body.number > self.number;
+        Self {
+            hit: if is_met { *hit } else { self.hit },
+            number: if is_met { body.number } else { self.number },
+            first: if self.is_some() { self.first } else { side },
+            sides: self.sides.crossed(body, from_front),
+        }
     }
 }

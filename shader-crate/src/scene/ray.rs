@@ -68,6 +68,11 @@ impl Hit {
 /// a driver's own arithmetic.
 pub const OFFSET_ROUNDINGS: f32 = 32.0;
 
+/// How far off a surface rays start, in world units, where the largest coordinate is `magnitude`.
+pub fn offset_distance(offset_roundings: f32, magnitude: f32) -> f32 {
+    offset_roundings * UNIT_ROUNDOFF * magnitude
+}
+
 /// A point on a surface, from which rays leave.
 ///
 /// How far off the surface a ray has to start follows from the point alone, and not from the
@@ -117,7 +122,7 @@ impl SurfacePoint {
     }
 
     fn moved(&self, direction: Vec3, magnitude: f32) -> Vec3 {
-        let distance = self.offset_roundings * UNIT_ROUNDOFF * magnitude;
+        let distance = offset_distance(self.offset_roundings, magnitude);
         let signed = if direction.dot(self.normal) < 0.0 { -distance } else { distance };
         self.position + self.normal * signed
     }

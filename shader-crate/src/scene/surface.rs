@@ -3,13 +3,14 @@
 use crate::glam::{UVec4, Vec3};
 use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::math::random::{hash, unit_float};
-use crate::memory::rows::{four_rows, seven_rows, three_rows, two_rows};
-use crate::scene::abilities::{ABSORPTION, Abilities, EMISSION_MAPS, PRINCIPLED, TEXTURES};
+use crate::memory::rows::{four_rows, six_rows, three_rows, two_rows};
+use crate::scene::abilities::{Abilities, EMISSION_MAPS, MEDIA, PRINCIPLED, TEXTURES};
 use crate::scene::bsdf::albedo::{self, AlbedoView};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
 use crate::scene::bvh::BvhView;
 use crate::scene::light::importance;
+use crate::scene::media::{Body, Interface, Media, MediaView, Sides};
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
 use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, Triangle};
@@ -36,6 +37,8 @@ pub struct SurfaceView<'a, A> {
     pub offset_roundings: f32,
     /// The textures.
     pub textures: TextureView<'a>,
+    /// The bodies that are bounded by them.
+    pub media: MediaView<'a>,
     /// What the scene uses.
     pub abilities: A,
 }
@@ -66,7 +69,7 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
     /// What the principled material number `index` has beside [`Self::material`].
     fn layers(&self, index: u32) -> Layers {
         let first = self.first_albedos + albedo::ROWS + index * Layers::ROWS;
-        Layers::from_rows(seven_rows(self.rows, first))
+        Layers::from_rows(six_rows(self.rows, first))
     }
 
     /// Whether there is a hole where `ray` made `hit`. What is half transparent has holes by
@@ -92,6 +95,42 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
         layers.is_hole(alpha, unit_float(bits))
     }
 
+    /// Whether paths know which bodies they are in.
+    #[inline(always)]
+    pub fn has_media(&self) -> bool {
+        self.abilities.has(MEDIA) && self.media.is_some()
+    }
+
+    /// The body behind the front of what `hit` is on.
+    pub fn body(&self, hit: &Hit) -> Body {
+        self.media.body(self.triangle(hit.triangle).material)
+    }
+
+    /// What bounds the body of the material number `index`, seen `from_front`, against what is on
+    /// the other side.
+    fn interface(&self, index: u32, from_front: bool, sides: Sides) -> Interface {
+        let other = if from_front { sides.here } else { sides.beyond };
+        self.media.interface(self.media.body(index).number, other.there())
+    }
+
+    /// What the camera is in.
+    #[inline(always)]
+    pub fn media_of_camera(&self) -> Media {
+        if self.has_media() { self.media.of_camera() } else { Media::NONE }
+    }
+
+    /// What the front of the light number `index` is in.
+    #[inline(always)]
+    pub fn media_of_light(&self, index: u32) -> Media {
+        if self.has_media() { self.media.of_light(index) } else { Media::NONE }
+    }
+
+    /// The share of light that is left after this `distance`, in world units, through `media`.
+    #[inline(always)]
+    pub fn transmittance(&self, media: Media, distance: f32) -> Vec3 {
+        if self.has_media() { self.media.transmittance(media, distance) } else { Vec3::ONE }
+    }
+
     fn albedos(&self) -> AlbedoView<'a> {
         AlbedoView { rows: self.rows, first: self.first_albedos }
     }
@@ -108,6 +147,8 @@ pub struct Surface<'a, F> {
     pub point: SurfacePoint,
     /// Whether the ray came from the front of the triangle, the side that emits.
     pub from_front: bool,
+    /// What is on both sides.
+    pub sides: Sides,
     /// What the surface does with light.
     pub bsdf: Bsdf<'a, F>,
     /// Radiance of the front, linear Rec.709.
@@ -117,8 +158,9 @@ pub struct Surface<'a, F> {
 }
 
 impl<'a, F: Abilities> Surface<'a, F> {
-    /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some).
-    pub fn at(surfaces: &SurfaceView<'a, F>, ray: &Ray, hit: &Hit) -> Self {
+    /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some), with what is on its
+    /// two sides.
+    pub fn at(surfaces: &SurfaceView<'a, F>, ray: &Ray, hit: &Hit, sides: Sides) -> Self {
         let triangle = surfaces.triangle(hit.triangle);
         let point = surfaces.point(&triangle, ray, hit);
         let geometric = point.normal;
@@ -158,11 +200,18 @@ impl<'a, F: Abilities> Surface<'a, F> {
                 }
             }
         }
+        let from_front = ray.direction.dot(geometric) < 0.0;
+        if surfaces.has_media() && sides.differ() {
+            let interface = surfaces.interface(triangle.material, from_front, sides);
+            material.ior = interface.ior;
+            layers.boundary_albedos = interface.albedos;
+        }
         let from_outside = ray.direction.dot(shading) < 0.0;
         let normal = if from_outside { shading } else { -shading };
         Self {
             point,
-            from_front: ray.direction.dot(geometric) < 0.0,
+            from_front,
+            sides,
             bsdf: material.bsdf(
                 normal,
                 from_outside,
@@ -185,15 +234,11 @@ impl<'a, F: Abilities> Surface<'a, F> {
         }
     }
 
-    /// The share of light that is left at the end of the segment of this length, in world units,
-    /// that led here, if that is the way through a body that absorbs. A body is known by its
-    /// boundary: up to something else in it, nothing is lost.
+    /// What a path is in that leaves in this direction.
     #[inline(always)]
-    pub fn transmittance(&self, length: f32) -> Vec3 {
-        if !self.bsdf.abilities.has(ABSORPTION) || self.from_front {
-            return Vec3::ONE;
-        }
-        self.bsdf.layers.transmittance(length)
+    pub fn media_towards(&self, direction: Vec3) -> Media {
+        let goes_behind = direction.dot(self.point.normal) < 0.0;
+        if goes_behind == self.from_front { self.sides.beyond } else { self.sides.here }
     }
 
     /// Whether it emits along the ray, back to where that came from.

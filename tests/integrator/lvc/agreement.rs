@@ -259,6 +259,14 @@ fn a_ball_in_a_block_of_glass() {
     assert_agreement(&scene, 8192, "a ball in glass");
 }
 
+/// Paths from lights and from the camera are in the same bodies, and lose the same light there.
+#[test]
+fn a_drink() {
+    let scene = scenes::drink();
+    let all = [BidirectionalTechniques::All, Connections, LightTracing, WithoutLightTracing];
+    assert_techniques_agree(&scene, 16384, PixelFilter::default(), &all, "a drink");
+}
+
 /// A lamp and a background, which only eye paths find.
 #[test]
 fn a_lamp_in_the_open() {

@@ -11,6 +11,7 @@ use raystream_shaders::integrator::lvc::cache::{HEADER_ROWS, LightCache};
 use raystream_shaders::integrator::lvc::light_vertex::{LightVertex, ROWS_PER_VERTEX};
 use raystream_shaders::math::random::hash;
 use raystream_shaders::parallel::prefix::BlockParams;
+use raystream_shaders::scene::media::Media;
 use raystream_tests::{prepare, scenes, settings, with_gpu};
 
 /// Light paths as they lie in scratch memory.
@@ -142,6 +143,7 @@ fn traced_paths_make_the_same_cache_on_every_device() {
 #[test]
 fn a_vertex_survives_its_rows() {
     let vertex = LightVertex {
+        media: Media(0x0403),
         position: Vec3::new(1.0, -2.0, 3.5),
         geometric: Vec3::X,
         norm: 1e-30,

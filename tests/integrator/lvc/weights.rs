@@ -9,6 +9,7 @@ use raystream_shaders::integrator::lvc::mis::{
 use raystream_shaders::math::random::{hash, unit_float};
 use raystream_shaders::scene::abilities::{BASIC, Fixed};
 use raystream_shaders::scene::bsdf::{BsdfSample, Material, MaterialKind};
+use raystream_shaders::scene::media::{Media, Sides};
 use raystream_shaders::scene::ray::SurfacePoint;
 use raystream_shaders::scene::surface::Surface;
 use raystream_tests::materials::{bsdf, diffuse, glass, mirror};
@@ -206,6 +207,7 @@ impl Path {
         let incoming = self.direction(from, at);
         let from_outside = incoming.dot(vertex.shading) < 0.0;
         Surface {
+            sides: Sides::both(Media::NONE),
             point: SurfacePoint {
                 position: vertex.position,
                 normal: vertex.geometric,

@@ -1,6 +1,6 @@
 //! Materials.
 
-mod absorption;
+mod conductor;
 mod diffuse;
 mod maps;
 mod principled;

@@ -4,10 +4,11 @@ use super::specular::reflectance;
 use glam::{DVec3, Vec3};
 use raystream::render::BvhQuality;
 use raystream::render::PreparedScene;
-use raystream::scene::{Camera, FilmSize, Material, Mesh, Principled, Scene};
+use raystream::scene::{Camera, FilmSize, Material, Mesh, Metal, Principled, Scene};
 use raystream_shaders::math::random::{BSDF, CHOICES, RandomNumbers, SOBOL, unit_float};
 use raystream_shaders::scene::abilities::{ALL, Fixed};
 use raystream_shaders::scene::bsdf::{Bsdf, BsdfSample};
+use raystream_shaders::scene::media::{Media, Sides};
 use raystream_shaders::scene::ray::Ray;
 use raystream_shaders::scene::surface::Surface;
 use raystream_tests::histogram::{SAMPLERS, cell, histogram};
@@ -24,7 +25,7 @@ const POINTS: usize = 40;
 const ANGLES: [f32; 4] = [2.0, 35.0, 60.0, 85.0];
 
 /// A floor of one material, whose normal is +z.
-fn floor(material: Principled) -> PreparedScene {
+pub fn floor(material: Principled) -> PreparedScene {
     let camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
     let mut scene = Scene::new(camera, FilmSize { width: 4, height: 3 });
     // A material that is none of its kind comes first, so that tables are not read at their start.
@@ -47,11 +48,11 @@ pub fn met<'a>(floor: &'a PreparedScene, incoming: Vec3) -> Bsdf<'a, Fixed<ALL>>
     let ray = Ray::new(Vec3::new(0.1, 0.2, 0.0) - incoming, incoming);
     let hit = view.closest_hit(&ray);
     assert!(hit.is_some(), "along {incoming}");
-    Surface::at(&view.surfaces, &ray, &hit).bsdf
+    Surface::at(&view.surfaces, &ray, &hit, Sides::both(Media::NONE)).bsdf
 }
 
 /// Samples of the BSDF that `incoming` meets.
-fn samples<'a>(
+pub fn samples<'a>(
     bsdf: Bsdf<'a, Fixed<ALL>>,
     incoming: Vec3,
     kind: u32,
@@ -71,6 +72,7 @@ fn rough_ones() -> Vec<(&'static str, Principled)> {
         let paint = Principled::paint(Vec3::new(0.7, 0.4, 0.2), roughness);
         all.push(("paint", paint));
         all.push(("metal", Principled::metal(Vec3::new(1.0, 0.8, 0.3), roughness)));
+        all.push(("gold", Principled::conductor(Metal::Gold.conductor(), roughness)));
         all.push(("glass", Principled::glass(1.5, roughness)));
         let glass = Principled::glass(1.5, roughness);
         all.push(("thin glass", Principled { thin_walled: true, ..glass }));

@@ -16,7 +16,8 @@ use std::process::Command;
 use std::time::Instant;
 use tempfile::TempDir;
 
-const SCENES: [&str; 4] = ["caustics", "cornell_ball", "cornell_glass", "opening"];
+const SCENES: [&str; 7] =
+    ["caustics", "cornell_ball", "cornell_glass", "daylight", "metals", "opening", "tea"];
 /// Scenes whose geometry lies in the folder that [`FOLDER`] names.
 const LARGE_SCENES: [&str; 2] = ["conference", "sibenik"];
 const FOLDER: &str = "SCENES_DIR";

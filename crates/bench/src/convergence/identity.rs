@@ -4,8 +4,8 @@ use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
-    Camera, Channel, Lens, Maps, Material, Principled, Projection, PunctualLight, Reflectance,
-    Scene, TextureId,
+    Attenuation, Camera, Channel, Conductor, Lens, Maps, Material, Opacity, Principled, Projection,
+    PunctualLight, Reflectance, Scene, TextureId,
 };
 use sha2::{Digest, Sha256};
 
@@ -125,10 +125,11 @@ fn add_material(hasher: &mut Sha256, material: &Material) {
             hasher.update([2]);
             add(hasher, &[reflectance]);
         }
-        Material::Dielectric { ior, transmittance, reflectance } => {
+        Material::Dielectric { ior, transmittance, reflectance, attenuation, priority } => {
             hasher.update([3]);
             add(hasher, &[ior]);
             add(hasher, &[transmittance, reflectance]);
+            add_body(hasher, attenuation, priority);
         }
         Material::Emissive { radiance, reflectance } => {
             hasher.update([4]);
@@ -139,8 +140,41 @@ fn add_material(hasher: &mut Sha256, material: &Material) {
             let Principled { metallic, roughness, ior, transmission, .. } = material;
             add(hasher, &[metallic, roughness, ior, transmission]);
             add(hasher, &[material.base_colour, material.specular, material.emission]);
+            add_layers(hasher, &material);
+            add_body(hasher, material.attenuation, material.priority);
             add_maps(hasher, &material.maps);
         }
+    }
+}
+
+/// What principled materials may have besides; nothing of one that has none of it.
+fn add_layers(hasher: &mut Sha256, material: &Principled) {
+    let Principled { coat, coat_roughness, sheen, sheen_roughness, .. } = *material;
+    if material.has_cover() {
+        add(hasher, &[sheen]);
+        add(hasher, &[coat, coat_roughness, sheen_roughness]);
+    }
+    match material.opacity {
+        Opacity::Opaque => {}
+        Opacity::Mask { alpha, cutoff } => add(hasher, &[alpha, cutoff]),
+        Opacity::Blend { alpha } => add(hasher, &[alpha]),
+    }
+    if let Some(Conductor { eta, k }) = material.conductor {
+        add(hasher, &[eta, k]);
+    }
+    if material.thin_walled {
+        hasher.update([1]);
+    }
+}
+
+/// What a body has besides; nothing of one that is clear and without a priority.
+fn add_body(hasher: &mut Sha256, attenuation: Option<Attenuation>, priority: Option<i32>) {
+    if let Some(Attenuation { colour, distance }) = attenuation {
+        add(hasher, &[colour]);
+        add(hasher, &[distance]);
+    }
+    if let Some(priority) = priority {
+        add(hasher, &[priority]);
     }
 }
 

@@ -41,7 +41,7 @@ fn a_render_has_its_filtered_picture_beside_everything_else() {
     }
     // Without a name it is the default.
     render(folder.path(), &format!("{SMALL} -o b.exr --denoise")).succeeded();
-    assert_eq!(read_settings(&path("b.exr")).unwrap()["denoise"], "bilateral");
+    assert_eq!(read_settings(&path("b.exr")).unwrap()["denoise"], "auto");
     let wrong = render(folder.path(), &format!("{SMALL} --denoise nonsense"));
     assert_eq!(wrong.status, Some(2));
     wrong.says(&["nonsense", "bilateral", "nlm", "regression"]);

@@ -33,6 +33,17 @@ fn an_environment_lights_a_scene_without_lights() {
 }
 
 #[test]
+fn a_sky_lights_a_scene() {
+    let scene = folder();
+    let folder = &scene.path("");
+    let lit = "scene.json --spp 1 --sky 30 --environment-strength 0.1";
+    let run = render(folder, &format!("{lit} -o a.exr")).succeeded();
+    assert!(!run.stderr.contains("nothing emits light"), "{}", run.stderr);
+    let corner = read_color(&scene.path("a.exr")).unwrap().pixels[0];
+    assert!(corner.min_element() > 0.0, "{corner}");
+}
+
+#[test]
 fn environments_that_are_of_no_use() {
     let scene = folder().with("sky.png", "no picture");
     let folder = &scene.path("");
@@ -42,7 +53,9 @@ fn environments_that_are_of_no_use() {
         ("--environment scene.json", "neither a Radiance HDR nor an EXR"),
         ("--environment sky.exr --environment-strength -1", "--environment-strength"),
         ("--environment sky.exr --environment-rotation nan", "--environment-rotation"),
-        ("--environment-rotation 5", "--environment <FILE>"),
+        ("--environment-rotation 5", "<--environment <FILE>|--sky <DEGREES>>"),
+        ("--environment sky.exr --sky 30", "cannot be used with"),
+        ("--sky -1", "'-1' is not an angle in degrees, from 0 to 90"),
     ] {
         render(folder, &format!("scene.json --spp 1 -o a.png {options}")).failed(&[says]);
     }

@@ -70,5 +70,9 @@ fn a_scene_is_inspected() {
     let shipped = run(folder, "inspect cornell_ball --json").succeeded();
     let value: Value = serde_json::from_str(&shipped.stdout).unwrap();
     assert_eq!(value["name"], "cornell_ball");
+    let tea = run(folder, "inspect tea --json").succeeded();
+    let tea: Value = serde_json::from_str(&tea.stdout).unwrap();
+    assert_eq!(tea["camera_is_in_body"], false);
+    assert_eq!(tea["materials"]["dielectric"], 5, "one for each mesh");
     inspect(folder, &["lost.glb"]).failed(&["lost.glb"]);
 }

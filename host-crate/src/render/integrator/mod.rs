@@ -108,16 +108,17 @@ pub fn create<E: Executor>(
     context: &IntegratorContext<'_, E>,
     capacity: u32,
 ) -> Result<Box<dyn Integrator<E>>, ExecError> {
+    let abilities = context.scene.abilities();
     Ok(match context.settings.integrator {
         IntegratorKind::Megakernel => Box::new(megakernel::Megakernel),
         IntegratorKind::Regeneration => {
             Box::new(regeneration::Regeneration::new(context.executor)?)
         }
         IntegratorKind::Compaction => {
-            Box::new(wavefront::Wavefront::compaction(context.executor, capacity)?)
+            Box::new(wavefront::Wavefront::compaction(context.executor, abilities, capacity)?)
         }
         IntegratorKind::Streaming => {
-            Box::new(wavefront::Wavefront::streaming(context.executor, capacity)?)
+            Box::new(wavefront::Wavefront::streaming(context.executor, abilities, capacity)?)
         }
         IntegratorKind::Lvc => Box::new(lvc::Lvc::new(context)?),
     })

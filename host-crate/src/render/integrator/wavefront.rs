@@ -12,8 +12,9 @@ use crate::render::film::WINDOW_ALIGNMENT;
 use bytemuck::Zeroable;
 use glam::UVec4;
 use raystream_shaders::integrator::wavefront::WavefrontParams;
-use raystream_shaders::integrator::wavefront::pool::{POOL_ROWS, Queue};
+use raystream_shaders::integrator::wavefront::pool::{POOL_ROWS, POOL_ROWS_WITH_MEDIA, Queue};
 use raystream_shaders::parallel::prefix::BlockParams;
+use raystream_shaders::scene::abilities::MEDIA;
 use std::ops::Range;
 
 /// Paths in the pool of `streaming`, at most: enough to fill any GPU, few enough that their states
@@ -44,47 +45,53 @@ pub struct Wavefront<B> {
 }
 
 impl<B> Wavefront<B> {
-    /// Removes terminated paths; for streams of at most `stream` slots.
+    /// Removes terminated paths; for streams of at most `stream` slots, through scenes that use
+    /// these [`abilities`](raystream_shaders::scene::abilities).
     pub fn compaction<E: Executor<Buffer = B>>(
         executor: &E,
+        abilities: u32,
         stream: u32,
     ) -> Result<Self, ExecError> {
-        Self::of_capacity(executor, stream, stream, false)
+        Self::of_capacity(executor, abilities, stream, stream, false)
     }
 
     /// Removes terminated paths and puts new ones into their places; likewise.
     pub fn streaming<E: Executor<Buffer = B>>(
         executor: &E,
+        abilities: u32,
         stream: u32,
     ) -> Result<Self, ExecError> {
-        Self::of_capacity(executor, stream, stream.min(STREAMING_POOL), true)
+        Self::of_capacity(executor, abilities, stream, stream.min(STREAMING_POOL), true)
     }
 
     /// A pool of `capacity` paths, or half as many, and so on, until the device has room for it.
     /// Less than a sixteenth of the stream is an error.
     pub fn of_capacity<E: Executor<Buffer = B>>(
         executor: &E,
+        abilities: u32,
         stream: u32,
         capacity: u32,
         regenerates: bool,
     ) -> Result<Self, ExecError> {
         let fitting = executor.limits().buffer_bytes / size_of::<UVec4>() as u64;
+        let lane_rows = if abilities & MEDIA == 0 { POOL_ROWS } else { POOL_ROWS_WITH_MEDIA };
         let rows_of = |capacity: u32| {
             u64::from(queue_rows(stream, capacity, regenerates))
-                + u64::from(capacity) * u64::from(POOL_ROWS)
+                + u64::from(capacity) * u64::from(lane_rows)
         };
-        let mut capacity = u64::from(capacity).min(fitting / u64::from(POOL_ROWS)).max(1) as u32;
+        let mut capacity = u64::from(capacity).min(fitting / u64::from(lane_rows)).max(1) as u32;
         while capacity > WINDOW_ALIGNMENT && rows_of(capacity) > fitting {
             capacity -= WINDOW_ALIGNMENT;
         }
         let smallest = (stream / MOST_REPLACEMENTS).max(4 * WINDOW_ALIGNMENT);
         halve_until_it_fits(capacity, smallest, |capacity| {
-            Self::allocate(executor, stream, capacity, regenerates)
+            Self::allocate(executor, lane_rows, stream, capacity, regenerates)
         })
     }
 
     fn allocate<E: Executor<Buffer = B>>(
         executor: &E,
+        lane_rows: u32,
         stream: u32,
         capacity: u32,
         regenerates: bool,
@@ -98,7 +105,7 @@ impl<B> Wavefront<B> {
             rows: Array::zeroed(
                 executor,
                 "paths under way",
-                queues as usize + lanes * POOL_ROWS as usize,
+                queues as usize + lanes * lane_rows as usize,
             )?,
             goes_on: Array::zeroed(executor, "which paths go on", lanes)?,
             kept: Array::zeroed(executor, "a queue of paths", lanes)?,

@@ -6,8 +6,10 @@ use crate::scene::FilmSize;
 use glam::Vec4;
 use raystream_shaders::estimator::filtered::FilteredPixel;
 
-/// Both halves as a filter leaves them, in rank order.
+/// Both halves as a filter looks at them, in rows, and as it leaves them, in rank order.
 pub struct FilteredHalves<B> {
+    first_rows: Array<B, Vec4>,
+    second_rows: Array<B, Vec4>,
     first: Array<B, Vec4>,
     second: Array<B, Vec4>,
 }
@@ -17,26 +19,30 @@ impl<B> FilteredHalves<B> {
     pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
         let pixels = (size.width * size.height) as usize;
         let half = || Array::zeroed(executor, "filtered halves", pixels);
-        Ok(Self { first: half()?, second: half()? })
+        let (first_rows, second_rows) = (half()?, half()?);
+        Ok(Self { first_rows, second_rows, first: half()?, second: half()? })
     }
 
     /// The launches after which `filtered` is of both halves of `inputs`: `filter` makes that which
-    /// filters a half, of what weighs it, the half, and where the result goes. Each is weighed by
-    /// the other.
+    /// filters a half, of what weighs it and the half, both in rows, and where the result goes.
+    /// Each is weighed by the other.
     pub fn launches<'a>(
         &'a self,
         inputs: &'a FilterInputs<B>,
         filtered: &'a Array<B, FilteredPixel>,
         filter: impl Fn(&'a Array<B, Vec4>, &'a Array<B, Vec4>, &'a Array<B, Vec4>) -> Launch<'a, B>,
     ) -> Vec<Launch<'a, B>> {
-        let (first, second) = (&inputs.first, &inputs.second);
+        let (first, second) = (&self.first_rows, &self.second_rows);
+        let parameters = inputs.parameters();
         vec![
+            kernels::half_in_rows(&parameters, inputs.first.view(), first.view()),
+            kernels::half_in_rows(&parameters, inputs.second.view(), second.view()),
             filter(second, first, &self.first),
             filter(first, second, &self.second),
             kernels::join_halves(
-                &inputs.parameters(),
+                &parameters,
                 inputs.guides.view(),
-                first.view(),
+                inputs.first.view(),
                 self.first.view(),
                 self.second.view(),
                 filtered.view(),

@@ -4,15 +4,19 @@
 //! [`FilteredPicture`] is what a filter makes of a film. [`Reconstruction`] makes a picture to look at
 //! of that, by guard and mean.
 
+pub mod auto;
 mod bilateral;
 mod halves;
 mod inputs;
+pub mod learned;
 mod nlm;
 mod regression;
 
 pub use inputs::{FilterInputs, FilterView};
 
+use self::auto::Auto;
 use self::bilateral::Bilateral;
+use self::learned::Learned;
 use self::nlm::Nlm;
 use self::regression::Regression;
 use super::film::control::ControlFilm;
@@ -43,7 +47,7 @@ pub trait Filter<B>: Send + Sync {
     ) -> Vec<Launch<'a, B>>;
 }
 
-/// A filter for pictures of `size`; `settings` are those of `bilateral`.
+/// A filter for pictures of `size`; `settings` are those of `bilateral`, which `auto` has too.
 ///
 /// # Errors
 /// If the device has no room for what it works in.
@@ -54,7 +58,9 @@ pub fn create<E: Executor>(
     settings: FilterSettings,
 ) -> Result<Box<dyn Filter<E::Buffer>>, ExecError> {
     Ok(match kind {
+        FilterKind::Auto => Box::new(Auto::new(executor, size, settings)?),
         FilterKind::Bilateral => Box::new(Bilateral::new(settings)),
+        FilterKind::Learned => Box::new(Learned::new(executor, size, &learned::weights())?),
         FilterKind::Nlm => Box::new(Nlm::new(executor, size)?),
         FilterKind::Regression => Box::new(Regression::new(executor, size)?),
     })

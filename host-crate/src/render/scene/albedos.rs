@@ -5,6 +5,7 @@ use glam::{UVec4, Vec2, Vec3};
 use rayon::prelude::*;
 use raystream_shaders::scene::bsdf::albedo::{AlbedoView, ROWS_PER_ROUGHNESS, SIDE};
 use raystream_shaders::scene::bsdf::boundary::{dielectric_fresnel, refract};
+use raystream_shaders::scene::bsdf::conductor::fresnel;
 use raystream_shaders::scene::bsdf::ggx::Ggx;
 use raystream_shaders::scene::bsdf::reflector::grazing;
 use raystream_shaders::scene::bsdf::sheen;
@@ -47,6 +48,17 @@ pub fn of_sheen() -> &'static [UVec4] {
     static TABLE: OnceLock<Vec<UVec4>> = OnceLock::new();
     let pair = |place, cosine| Vec2::new(fibres(sheen::roughness_at(place), cosine), 0.0);
     TABLE.get_or_init(|| tabulate(pair))
+}
+
+/// The mean of what a smooth metal of this index of refraction and coefficient of extinction
+/// reflects, over the cosine-weighted hemisphere.
+pub fn of_conductor(eta: Vec3, k: Vec3) -> Vec3 {
+    let mean = |eta: f32, k: f32| {
+        let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(POINTS);
+        let at = |step| middle(step) * f64::from(fresnel(middle(step) as f32, eta, k));
+        (2.0 / f64::from(POINTS) * (0..POINTS).map(at).sum::<f64>()) as f32
+    };
+    Vec3::new(mean(eta.x, k.x), mean(eta.y, k.y), mean(eta.z, k.z))
 }
 
 /// The table of a pair that is a function of the roughness and of the cosine.

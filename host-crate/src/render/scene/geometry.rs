@@ -20,7 +20,8 @@ pub struct Geometry {
     /// out.
     pub degenerate: usize,
     /// How many have the corners of an earlier one, in the same order, and are left out: no ray
-    /// hits them, since it hits the first.
+    /// hits them, since it hits the first. Where paths must know what they are in, boundaries of
+    /// different bodies are not copies.
     pub copies: usize,
 }
 
@@ -36,8 +37,17 @@ pub fn gather(scene: &Scene) -> Geometry {
             geometry.add_triangle(corners, material, None);
         }
     }
-    geometry.leave_out_copies();
+    geometry.leave_out_copies(&bodies_apart(scene));
     geometry
+}
+
+/// For each material the number of the body that it bounds, above 0, where paths count boundaries:
+/// those of two bodies may be in one place.
+fn bodies_apart(scene: &Scene) -> Vec<u32> {
+    if !scene.has_media() {
+        return Vec::new();
+    }
+    (1..).zip(&scene.materials).map(|(n, m)| m.body().map_or(0, |_| n)).collect()
 }
 
 impl Geometry {
@@ -70,11 +80,11 @@ impl Geometry {
 }
 
 impl Geometry {
-    fn leave_out_copies(&mut self) {
+    fn leave_out_copies(&mut self, bodies: &[u32]) {
         let bits = |index: &u32| {
-            self.triangles[*index as usize]
-                .corners
-                .map(|corner| corner.to_array().map(f32::to_bits))
+            let triangle = &self.triangles[*index as usize];
+            let corners = triangle.corners.map(|corner| corner.to_array().map(f32::to_bits));
+            (corners, bodies.get(triangle.material as usize).copied().unwrap_or(0))
         };
         let mut order: Vec<u32> = (0..self.triangles.len() as u32).collect();
         order.par_sort_unstable_by(|a, b| bits(a).cmp(&bits(b)).then(a.cmp(b)));

@@ -1,9 +1,12 @@
 //! The table of materials.
 
 use super::albedos;
-use crate::scene::{Channel, Material, Opacity, Principled, Reflectance, Scene, TextureId};
+use crate::scene::{
+    self, Channel, Material, Opacity, Principled, Reflectance, Scene, TextureId, distinct_ior,
+};
 use glam::{UVec4, Vec3};
 use raystream_shaders::scene::bsdf::albedo;
+use raystream_shaders::scene::bsdf::conductor::Conductor;
 use raystream_shaders::scene::bsdf::layers::{BLEND, Layers, MASK, THIN};
 use raystream_shaders::scene::bsdf::{self, MaterialKind};
 use raystream_shaders::scene::texture::NO_TEXTURE;
@@ -21,31 +24,24 @@ fn place(texture: Option<TextureId>, places: &[u32]) -> u32 {
     texture.map_or(NO_TEXTURE, |texture| places[texture.0 as usize])
 }
 
-/// What principled materials have beside the [`table`].
-pub struct Layered {
-    /// For each of the scene's materials.
-    pub layers: Vec<Layers>,
-    /// The albedos of boundaries and of sheen, as far as there are any.
-    pub albedos: Vec<UVec4>,
-}
-
-/// The same for all of a scene's materials; nothing where none is principled.
-pub fn layered(scene: &Scene, places: &[u32]) -> Layered {
+/// What principled materials have beside the [`table`],
+/// for each of a scene's; nothing where none is principled. The albedos that they need are added to
+/// `tables`.
+pub fn layered(scene: &Scene, places: &[u32], tables: &mut Tables) -> Vec<Layers> {
     if !scene.materials.iter().any(|material| material.principled().is_some()) {
-        return Layered { layers: Vec::new(), albedos: Vec::new() };
+        return Vec::new();
     }
-    let mut tables = Tables::new(scene.materials.len() as u32);
     let layers = scene.materials.iter().map(|material| {
-        let of = |principled| layers(principled, &mut tables, places);
+        let of = |principled| layers(principled, tables, places);
         material.principled().map_or(Layers::NONE, of)
     });
-    let layers = layers.collect();
-    Layered { layers, albedos: tables.rows }
+    layers.collect()
 }
 
 /// Tables of albedos, one of a kind, behind each other.
-struct Tables {
-    rows: Vec<UVec4>,
+pub struct Tables {
+    /// The albedos of boundaries and of sheen, and metals, as far as there are any.
+    pub rows: Vec<UVec4>,
     /// Rows from the albedos of surfaces to these.
     first: u32,
     /// Where the table of each index of refraction begins, by its bits.
@@ -54,7 +50,8 @@ struct Tables {
 }
 
 impl Tables {
-    fn new(materials: u32) -> Self {
+    /// None so far, behind the layers of so many materials.
+    pub fn new(materials: u32) -> Self {
         Self {
             rows: Vec::new(),
             first: albedo::ROWS + materials * Layers::ROWS,
@@ -70,12 +67,18 @@ impl Tables {
         first
     }
 
-    fn boundary(&mut self, principled: &Principled) -> u32 {
-        if principled.transmission == 0.0 || principled.thin_walled {
-            // A thin one looks up what surfaces have.
-            return 0;
-        }
-        let ior = principled.distinct_ior();
+    /// Rows from the albedos of surfaces to a metal.
+    fn conductor(&mut self, metal: scene::Conductor) -> u32 {
+        self.add(&bytemuck::cast::<Conductor, [UVec4; Conductor::ROWS as usize]>(Conductor {
+            eta: metal.eta,
+            k: metal.k,
+            mean: albedos::of_conductor(metal.eta, metal.k),
+            ..Conductor::default()
+        }))
+    }
+
+    /// Rows from the albedos of surfaces to those of boundaries of this index of refraction.
+    pub fn boundary(&mut self, ior: f32) -> u32 {
         let key = ior.to_bits();
         if let Some(&first) = self.boundaries.get(&key) {
             return first;
@@ -107,6 +110,11 @@ fn layers(principled: &Principled, tables: &mut Tables, places: &[u32]) -> Layer
         Opacity::Mask { alpha, cutoff } => (MASK, alpha, cutoff),
         Opacity::Blend { alpha } => (BLEND, alpha, 0.0),
     };
+    let mut boundary_albedos = 0;
+    // A thin one looks up what surfaces have.
+    if principled.transmission > 0.0 && !principled.thin_walled {
+        boundary_albedos = tables.boundary(distinct_ior(principled.ior));
+    }
     Layers {
         specular: principled.specular,
         metallic: principled.metallic,
@@ -117,7 +125,7 @@ fn layers(principled: &Principled, tables: &mut Tables, places: &[u32]) -> Layer
         normal_map: place_of(principled.maps.normal.map(|map| map.texture)),
         normal_scale: principled.maps.normal.map_or(1.0, |map| map.scale),
         channels: channel(principled.maps.roughness) | channel(principled.maps.metallic) << 8,
-        boundary_albedos: tables.boundary(principled),
+        boundary_albedos,
         sheen: principled.sheen,
         sheen_roughness: principled.sheen_roughness,
         coat: principled.coat,
@@ -127,9 +135,7 @@ fn layers(principled: &Principled, tables: &mut Tables, places: &[u32]) -> Layer
         alpha,
         cutoff,
         emission_map: place_of(principled.maps.emission),
-        pad0: 0,
-        absorption: principled.absorption(),
-        pad1: 0,
+        conductor: principled.conductor.map_or(0, |metal| tables.conductor(metal)),
     }
 }
 
@@ -149,7 +155,7 @@ fn pack(material: Material, places: &[u32]) -> bsdf::Material {
         Material::Mirror { reflectance } => {
             bsdf::Material { kind: MaterialKind::MIRROR, reflectance, ..plain }
         }
-        Material::Dielectric { ior, transmittance, reflectance } => bsdf::Material {
+        Material::Dielectric { ior, transmittance, reflectance, .. } => bsdf::Material {
             kind: MaterialKind::DIELECTRIC,
             reflectance,
             transmittance,
@@ -166,7 +172,7 @@ fn pack(material: Material, places: &[u32]) -> bsdf::Material {
                 reflectance: base_colour,
                 texture: place(maps.base_colour, places),
                 emission,
-                ior: principled.distinct_ior(),
+                ior: distinct_ior(principled.ior),
                 ..plain
             }
         }

@@ -8,6 +8,7 @@ mod environment;
 mod geometry;
 mod lights;
 mod materials;
+mod media;
 mod scene_triangle;
 mod textures;
 mod triangles;
@@ -16,19 +17,21 @@ use self::bvh::BvhQuality;
 use self::environment::{Ball, PackedEnvironment};
 use self::geometry::Geometry;
 use self::lights::{Emitters, Lights};
-use self::materials::Layered;
+use self::materials::Tables;
+use self::media::PackedMedia;
 use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
 use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene};
 use bytemuck::{Pod, Zeroable};
-use glam::{UVec4, Vec3};
+use glam::UVec4;
 use raystream_shaders::scene::abilities::{
-    ABSORPTION, ALL, CAMERAS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, PRINCIPLED,
+    ALL, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, MEDIA, PRINCIPLED,
     PUNCTUAL, TEXTURES,
 };
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
 use raystream_shaders::scene::light::{DIRECTION, Light, POINT};
+use raystream_shaders::scene::media::NO_MEDIA;
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -88,7 +91,9 @@ impl PreparedScene {
         let first_planes = append(&mut geometry, &triangles::planes(&triangles, &bvh.order));
         let first_order = append(&mut geometry, &rows_of(&bvh.order));
         let mut surfaces = triangles::shading(&triangles, &mapped, &bvh.order);
-        let Layered { layers, albedos: further } = materials::layered(scene, &places);
+        let mut tables = Tables::new(scene.materials.len() as u32);
+        let layers = materials::layered(scene, &places, &mut tables);
+        let media = PackedMedia::new(scene, lights.table.len(), &mut tables);
         let mut params = SceneParams {
             background: scene.background,
             lights: lights.table.len() as u32,
@@ -102,15 +107,22 @@ impl PreparedScene {
             first_attributes: append(&mut surfaces, &attributes),
             first_material: append(&mut surfaces, &materials),
             first_light: append(&mut surfaces, &lights.table),
+            first_media: NO_MEDIA,
             ..SceneParams::zeroed()
         };
         if !layers.is_empty() {
             // Right behind the lights, where the kernels look for them.
             append(&mut surfaces, albedos::of_surface());
             append(&mut surfaces, &layers);
-            append(&mut surfaces, &further);
+            append(&mut surfaces, &tables.rows);
         }
         params.first_emission_map = append(&mut surfaces, &lights.maps);
+        if let Some(media) = &media {
+            params.first_media = append(&mut surfaces, &media.rows);
+            let view = SceneView::new(Fixed, &params, &geometry, &surfaces, &texels);
+            let places = media.places(&view, scene.camera.origin, &lights.table);
+            media.complete(&mut surfaces[params.first_media as usize..], &places);
+        }
         Ok(Self {
             geometry,
             surfaces,
@@ -163,8 +175,8 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let has_textures = any(|material| material.textures().next().is_some());
     let is_principled = any(|material| material.principled().is_some());
     let has_cover = any(|m| m.principled().is_some_and(Principled::has_cover));
+    let has_conductors = any(|m| m.principled().is_some_and(|p| p.conductor.is_some()));
     let has_holes = any(Material::has_holes);
-    let absorbs = any(|m| m.principled().is_some_and(|p| p.absorption() != Vec3::ZERO));
     let has_environment = params.environment != NO_ENVIRONMENT;
     let is_pinhole = matches!(scene.camera.projection, Projection::Perspective { .. })
         && !scene.camera.projection.has_lens();
@@ -174,8 +186,9 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (has_environment, ENVIRONMENT),
         (is_principled, PRINCIPLED),
         (has_cover, COVER),
+        (has_conductors, CONDUCTORS),
         (has_holes, HOLES),
-        (absorbs, ABSORPTION),
+        (params.first_media != NO_MEDIA, MEDIA),
         (!is_pinhole, CAMERAS),
         (lights.table.iter().any(is_punctual), PUNCTUAL),
         (!lights.maps.is_empty(), EMISSION_MAPS),

@@ -17,13 +17,14 @@ const OVERLAP: f64 = 1e-3;
 /// Normals that turn by a larger angle from corner to corner, in degrees, show steps.
 const COARSE: f32 = 15.0;
 
-/// The materials, as indices, of dielectrics that have faces in one place, in whole or in part.
+/// The materials, as indices, of dielectrics without a priority that have faces in one place, in
+/// whole or in part.
 pub(super) fn glass_in_one_place(scene: &Scene) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     let mut faces: Vec<Face> = Vec::new();
     for mesh in &scene.meshes {
         let material = mesh.material.0 as usize;
-        if matches!(scene.materials[material], Material::Dielectric { .. }) {
+        if matches!(scene.materials[material], Material::Dielectric { priority: None, .. }) {
             faces.extend(mesh.triangles.iter().filter_map(|&at| Face::new(mesh, at, material)));
         }
     }

@@ -1,9 +1,11 @@
 //! The rule that a scene file gives for a material.
 
 use super::values::{
-    AttenuationDistance, Colour, Factor, Ior, Object, Radiance, Share, Slope, present,
+    AttenuationDistance, Colour, Eta, Extinction, Factor, Ior, Object, Priority, Radiance, Share,
+    Slope, present,
 };
 use crate::scene::material::{Attenuation, Material, Opacity, Principled, Reflectance};
+use crate::scene::metal::{Conductor, Metal};
 use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
 use glam::Vec3;
@@ -38,6 +40,12 @@ struct MaterialKeys {
     #[serde(default, deserialize_with = "present")]
     transmittance: Option<Colour>,
     #[serde(default, deserialize_with = "present")]
+    metal: Option<String>,
+    #[serde(default, deserialize_with = "present")]
+    eta: Option<Eta>,
+    #[serde(default, deserialize_with = "present")]
+    k: Option<Extinction>,
+    #[serde(default, deserialize_with = "present")]
     metallic: Option<Share>,
     #[serde(default, deserialize_with = "present")]
     roughness: Option<Share>,
@@ -50,6 +58,8 @@ struct MaterialKeys {
     #[serde(default, deserialize_with = "present")]
     attenuation_distance: Option<AttenuationDistance>,
     #[serde(default, deserialize_with = "present")]
+    priority: Option<Priority>,
+    #[serde(default, deserialize_with = "present")]
     coat: Option<Share>,
     #[serde(default, deserialize_with = "present")]
     coat_roughness: Option<Share>,
@@ -61,6 +71,7 @@ struct MaterialKeys {
     alpha: Option<Share>,
     #[serde(default, deserialize_with = "present")]
     alpha_cutoff: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
     specular: Option<Factor>,
     #[serde(default, deserialize_with = "present")]
     textures: Option<Object<TextureKeys>>,
@@ -149,6 +160,7 @@ enum MaterialKind {
     Dielectric,
     Emissive,
     Principled,
+    Conductor,
     Null,
 }
 
@@ -181,10 +193,13 @@ impl TryFrom<MaterialKeys> for FileMaterial {
             }
             MaterialKind::Dielectric => {
                 keys.refuse("a dielectric", &["radiance"])?;
+                let (attenuation, priority) = (keys.attenuation()?, keys.priority());
                 plain(Material::Dielectric {
                     ior: needed("a dielectric", "ior", keys.ior)?.0,
                     transmittance: keys.transmittance.unwrap_or(white).0,
                     reflectance: colour("a dielectric", keys.reflectance)?.unwrap_or(white).0,
+                    attenuation,
+                    priority,
                 })
             }
             MaterialKind::Emissive => {
@@ -209,6 +224,13 @@ impl TryFrom<MaterialKeys> for FileMaterial {
                 };
                 if slots.is_empty() { plain(material) } else { textured(material, slots) }
             }
+            MaterialKind::Conductor => {
+                let all = ["reflectance", "radiance", "ior", "transmittance"];
+                keys.refuse("a conductor", &all)?;
+                let Share(roughness) = keys.roughness.unwrap_or(Share(0.0));
+                let metal = Principled::conductor(keys.conductor()?, roughness);
+                plain(Material::Principled(metal))
+            }
             MaterialKind::Null => {
                 let all = ["reflectance", "radiance", "ior", "transmittance"];
                 keys.refuse("a null", &all)?;
@@ -225,6 +247,7 @@ impl MaterialKeys {
     /// A principled material but for its reflectance, that, and its other textures. A texture
     /// multiplies a number, which is then 1 unless the file says otherwise.
     fn principled(self) -> Result<Made, String> {
+        let (attenuation, priority) = (self.attenuation()?, self.priority());
         let slots: Vec<_> =
             self.textures.map(|Object(textures)| textures.slots().collect()).unwrap_or_default();
         let has = |wanted: fn(&Slot) -> bool| slots.iter().any(|(slot, _)| wanted(slot));
@@ -243,15 +266,9 @@ impl MaterialKeys {
             let what = "what has a `radiance` is opaque: leave out `alpha` and `alpha_cutoff`";
             return Err(what.to_owned());
         }
-        let attenuation = match (self.attenuation, self.attenuation_distance) {
-            (Some(Colour(colour)), Some(AttenuationDistance(distance))) => {
-                Some(Attenuation { colour, distance })
-            }
-            (None, None) => None,
-            _ => return Err("`attenuation` and `attenuation_distance` need each other".to_owned()),
-        };
         let material = Principled {
             attenuation,
+            priority,
             metallic: share(self.metallic, metallic),
             transmission: share(self.transmission, plain.transmission),
             thin_walled: self.thin_walled.unwrap_or(plain.thin_walled),
@@ -265,18 +282,56 @@ impl MaterialKeys {
             emission,
             ..plain
         };
-        Ok((Material::Principled(material), self.reflectance, slots))
+        let material = Material::Principled(material);
+        if priority.is_some() && material.body().is_none() {
+            let what = "`priority` is that of a body: it needs a `transmission`, and no \
+                        `thin_walled`, `alpha` or `alpha_cutoff`";
+            return Err(what.to_owned());
+        }
+        Ok((material, self.reflectance, slots))
     }
 
-    /// The keys that are given and that principled materials alone have.
+    fn attenuation(&self) -> Result<Option<Attenuation>, String> {
+        match (self.attenuation, self.attenuation_distance) {
+            (Some(Colour(colour)), Some(AttenuationDistance(distance))) => {
+                Ok(Some(Attenuation { colour, distance }))
+            }
+            (None, None) => Ok(None),
+            _ => Err("`attenuation` and `attenuation_distance` need each other".to_owned()),
+        }
+    }
+
+    /// The index of refraction of a conductor, by name or in numbers.
+    fn conductor(&self) -> Result<Conductor, String> {
+        match (&self.metal, self.eta, self.k) {
+            (Some(name), None, None) => {
+                let metal = name.parse::<Metal>().map_err(|what| format!("metal: {what}"))?;
+                Ok(metal.conductor())
+            }
+            (None, Some(Eta(eta)), Some(Extinction(k))) => Ok(Conductor { eta, k }),
+            _ => Err("a conductor material needs the key `metal`, or `eta` and `k`".to_owned()),
+        }
+    }
+
+    /// The keys that are given and that conductors alone have.
+    fn of_conductors(&self) -> impl Iterator<Item = &'static str> {
+        let keys =
+            [("metal", self.metal.is_some()), ("eta", self.eta.is_some()), ("k", self.k.is_some())];
+        keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
+    }
+
+    fn priority(&self) -> Option<i32> {
+        self.priority.map(|Priority(priority)| priority)
+    }
+
+    /// The keys that are given and that principled materials alone have, but for those of bodies,
+    /// which dielectrics have as well.
     fn of_principled(&self) -> impl Iterator<Item = &'static str> {
         let keys = [
             ("metallic", self.metallic.is_some()),
             ("roughness", self.roughness.is_some()),
             ("transmission", self.transmission.is_some()),
             ("thin_walled", self.thin_walled.is_some()),
-            ("attenuation", self.attenuation.is_some()),
-            ("attenuation_distance", self.attenuation_distance.is_some()),
             ("coat", self.coat.is_some()),
             ("coat_roughness", self.coat_roughness.is_some()),
             ("sheen", self.sheen.is_some()),
@@ -285,6 +340,16 @@ impl MaterialKeys {
             ("textures", self.textures.is_some()),
             ("alpha", self.alpha.is_some()),
             ("alpha_cutoff", self.alpha_cutoff.is_some()),
+        ];
+        keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
+    }
+
+    /// The keys of bodies that are given.
+    fn of_bodies(&self) -> impl Iterator<Item = &'static str> {
+        let keys = [
+            ("attenuation", self.attenuation.is_some()),
+            ("attenuation_distance", self.attenuation_distance.is_some()),
+            ("priority", self.priority.is_some()),
         ];
         keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
     }
@@ -298,7 +363,15 @@ impl MaterialKeys {
             _ => self.transmittance.is_some(),
         };
         let is_principled = matches!(self.kind, MaterialKind::Principled);
-        let other = self.of_principled().next().filter(|_| !is_principled);
+        let has_body = is_principled || matches!(self.kind, MaterialKind::Dielectric);
+        let of_bodies = self.of_bodies().next().filter(|_| !has_body);
+        let is_conductor = matches!(self.kind, MaterialKind::Conductor);
+        let of_conductors = self.of_conductors().next().filter(|_| !is_conductor);
+        let mut of_principled = self.of_principled();
+        let other = of_principled
+            .find(|key| !(is_principled || is_conductor && *key == "roughness"))
+            .or(of_bodies)
+            .or(of_conductors);
         match keys.iter().copied().find(|key| is_given(key)).or(other) {
             Some(key) => Err(format!("{kind} material has no key `{key}`")),
             None => Ok(()),

@@ -73,6 +73,10 @@ checked! {
     Radiance(Vec3) = |v: Vec<f64>| bounds::radiance(&v), of Vec<f64> as "Vec<f64>";
     /// An index of refraction.
     Ior(f32) = bounds::ior, of f64 as "f64";
+    /// An index of refraction of a metal.
+    Eta(Vec3) = |v: Vec<f64>| bounds::eta(&v), of Vec<f64> as "Vec<f64>";
+    /// A coefficient of extinction of a metal.
+    Extinction(Vec3) = |v: Vec<f64>| bounds::extinction(&v), of Vec<f64> as "Vec<f64>";
     /// A distance or a width in world units, above 0.
     Distance(f32) = bounds::distance, of f64 as "f64";
     /// Radius of an aperture in world units.
@@ -83,6 +87,10 @@ checked! {
     Angle(f32) = bounds::angle, of f64 as "f64";
     /// A rotation in degrees.
     Rotation(f32) = bounds::rotation, of f64 as "f64";
+    /// The height of a sun over the horizon, in degrees.
+    Elevation(f32) = bounds::elevation, of f64 as "f64";
+    /// How much haze there is in the air.
+    Turbidity(f32) = bounds::turbidity, of f64 as "f64";
     /// What radiances are multiplied by.
     Strength(f32) = bounds::strength, of f64 as "f64";
     /// The diameter of a light at infinity, in degrees.
@@ -97,6 +105,8 @@ checked! {
     FilmSide(u32) = bounds::film_side, of i64 as "i64";
     /// A distance after which light is coloured, in world units.
     AttenuationDistance(f32) = bounds::attenuation_distance, of f64 as "f64";
+    /// The priority of a body.
+    Priority(i32) = bounds::priority, of i64 as "i64";
     /// A number of path segments.
     Depth(u32) = bounds::depth, of i64 as "i64";
 }

@@ -17,10 +17,13 @@ use crate::integrator::nee::NextEvent;
 use crate::math::is_finite_vector;
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, unit_float};
 use crate::memory::access::at;
-use crate::scene::SceneView;
 use crate::scene::abilities::Abilities;
-use crate::scene::ray::Ray;
+use crate::scene::media::Media;
+use crate::scene::ray::{NO_END, Ray};
 use crate::scene::surface::Surface;
+use crate::scene::{Encounter, SceneView};
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float as _;
 
 /// First dimension of the draws from the cache, beyond those of the longest path.
 const DRAWS: u32 = 1 << 31;
@@ -62,6 +65,8 @@ struct EyePath {
     /// What has been gathered.
     radiance: Vec3,
     rays: u32,
+    /// What the next segment starts in.
+    media: Media,
 }
 
 impl<A: Abilities> EyeTracer<'_, A> {
@@ -77,6 +82,7 @@ impl<A: Abilities> EyeTracer<'_, A> {
             connects: true,
             radiance: Vec3::ZERO,
             rays: 0,
+            media: self.scene.surfaces.media_of_camera(),
         };
         let mut depth = 1;
         while self.extend(&mut path, &numbers, depth) {
@@ -90,17 +96,18 @@ impl<A: Abilities> EyeTracer<'_, A> {
     fn extend(&self, path: &mut EyePath, numbers: &RandomNumbers, depth: u32) -> bool {
         let render = &self.params.path;
         path.rays += 1;
-        let hit = self.scene.closest_hit(&path.ray);
+        let Encounter { hit, sides } = self.scene.meet(&path.ray, path.media);
+        let length = if hit.is_some() { hit.t } else { NO_END };
+        path.throughput *= self.scene.surfaces.transmittance(sides.here, length);
         if !hit.is_some() {
             // No other technique finds the background.
             path.radiance += path.throughput * self.scene.background;
             self.add_environment(path, depth);
             return false;
         }
-        let surface = Surface::at(&self.scene.surfaces, &path.ray, &hit);
+        let surface = Surface::at(&self.scene.surfaces, &path.ray, &hit, sides);
         let incoming = path.ray.direction;
         let arriving = cosine(surface.point.normal, incoming);
-        path.throughput *= surface.transmittance(hit.t);
         // Parallel rays do not spread.
         let is_parallel = depth == 1 && render.camera.is_orthographic(self.scene.abilities());
         let distance = if is_parallel { 1.0 } else { hit.t };
@@ -139,6 +146,7 @@ impl<A: Abilities> EyeTracer<'_, A> {
             return false;
         }
         path.ray = Ray::new(surface.point.offset_towards(sample.direction), sample.direction);
+        path.media = surface.media_towards(sample.direction);
         true
     }
 
@@ -164,7 +172,7 @@ impl<A: Abilities> EyeTracer<'_, A> {
         point: [u32; 2],
     ) {
         let incoming = path.ray.direction;
-        let event = NextEvent::sample(&self.scene.lights, surface, incoming, choice, point);
+        let event = NextEvent::sample(&self.scene, surface, incoming, choice, point);
         if !event.is_some() {
             return;
         }
@@ -181,7 +189,8 @@ impl<A: Abilities> EyeTracer<'_, A> {
         let back = surface.bsdf.pdf_back(incoming, light.direction);
         let norm = path.subpath.norm(without, back);
         let weight = light_weight(&self.samples, &join, norm, light.area_pdf);
-        self.add_unless_occluded(path, &event.segment(surface), event.radiance * weight);
+        let segment = event.segment(surface);
+        self.add_unless_blocked(path, &segment, event.media, event.radiance * weight);
     }
 
     /// Connects a diffuse surface with vertices drawn from the cache. `depth` segments lead here.
@@ -231,24 +240,28 @@ impl<A: Abilities> EyeTracer<'_, A> {
         let cosine_there = cosine(light.geometric, direction);
         let join = Join::new(distance2, cosine_here, here.pdf, cosine_there, light_pdf);
         let weight = connection_weight(&self.samples, &join, norm, light.norm);
-        let reflected = here.weight * light.flux * (join.to_light * scale);
+        let media = surface.media_towards(direction);
+        let arrives = light.flux * self.scene.surfaces.transmittance(media, distance2.sqrt());
+        let reflected = here.weight * arrives * (join.to_light * scale);
         // Both ends leave their surfaces, so that neither occludes itself.
         let from = surface.point.offset_towards(direction);
         let offset_roundings = self.scene.surfaces.offset_roundings;
         let end = light.point(offset_roundings);
         let to = end.end_towards(-direction, surface.point.position);
-        self.add_unless_occluded(path, &Ray::segment(from, to - from, 1.0), reflected * weight);
+        let segment = Ray::segment(from, to - from, 1.0);
+        self.add_unless_blocked(path, &segment, media, reflected * weight);
     }
 
-    /// Adds the light that arrives along a segment if nothing is in its way.
-    fn add_unless_occluded(&self, path: &mut EyePath, segment: &Ray, reflected: Vec3) {
+    /// Adds the light that arrives along a segment, which starts in `media`, if nothing is in its
+    /// way.
+    fn add_unless_blocked(&self, path: &mut EyePath, segment: &Ray, media: Media, reflected: Vec3) {
         let radiance = path.throughput * reflected;
         // Ends that all but touch may overflow: a set without a measure that is left out.
         if radiance.max_element() <= 0.0 || !is_finite_vector(radiance) {
             return;
         }
         path.rays += 1;
-        if !self.scene.is_occluded(segment) {
+        if !self.scene.is_blocked(segment, media) {
             path.radiance += radiance;
         }
     }

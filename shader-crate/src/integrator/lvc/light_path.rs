@@ -12,14 +12,15 @@ use crate::glam::{UVec4, Vec3};
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, hash, of_vertex, unit_float};
 use crate::math::sample_cosine_hemisphere;
 use crate::memory::access::Scatter;
-use crate::scene::SceneView;
 use crate::scene::abilities::{Abilities, PUNCTUAL};
 use crate::scene::bsdf::BsdfSample;
 use crate::scene::environment::{EnvironmentSample, EnvironmentView};
+use crate::scene::light::Light;
 use crate::scene::light::punctual::LightRay;
-use crate::scene::light::{Light, LightView};
+use crate::scene::media::Media;
 use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
+use crate::scene::{Encounter, SceneView};
 use core::f32::consts::{FRAC_1_PI, PI};
 
 /// Kernel: traces light path `lane`, writes its vertices to its part of `scratch` and their number
@@ -33,15 +34,16 @@ pub fn trace_light_paths(
 ) {
     let samples = params.samples();
     let numbers = random_numbers(params, lane);
-    let mut path = LightPath::emit(&samples, &scene.lights, &numbers);
+    let mut path = LightPath::emit(&samples, scene, &numbers);
     let mut vertices = 0;
     let mut segment = 1;
     while segment <= params.light_segments {
-        let hit = scene.closest_hit(&path.ray);
+        let Encounter { hit, sides } = scene.meet(&path.ray, path.media);
         if !hit.is_some() {
             break;
         }
-        let surface = Surface::at(&scene.surfaces, &path.ray, &hit);
+        let surface = Surface::at(&scene.surfaces, &path.ray, &hit, sides);
+        path.throughput *= scene.surfaces.transmittance(sides.here, hit.t);
         path.arrive(&surface, hit.t);
         let is_diffuse = surface.bsdf.is_diffuse();
         // A glossy surface may be connected with the light itself alone.
@@ -87,23 +89,27 @@ struct LightPath {
     connects: bool,
     /// Whether the segment is the first of a path from a light at infinity.
     is_from_infinity: bool,
+    /// What the next segment starts in.
+    media: Media,
 }
 
 impl LightPath {
     fn emit(
         samples: &TechniqueSamples,
-        lights: &LightView<'_, impl Abilities>,
+        scene: &SceneView<'_, impl Abilities>,
         numbers: &RandomNumbers,
     ) -> Self {
         let [choice, _] = numbers.bits(of_vertex(0, CHOICES));
+        let lights = &scene.lights;
         let index = lights.choose(choice);
         if lights.is_environment(index) {
             return Self::from_environment(samples, &lights.environment, numbers);
         }
+        let media = scene.surfaces.media_of_light(index);
         if lights.abilities.has(PUNCTUAL) {
             let light = lights.light(index);
             if lights.is_punctual(&light) {
-                return Self::from_punctual(&light, numbers);
+                return Self::from_punctual(&light, media, numbers);
             }
         }
         let light = lights.point_on(index, numbers.pair(of_vertex(0, LIGHT_POINT)));
@@ -118,10 +124,11 @@ impl LightPath {
                 .emit(cosine(light.normal, direction), samples.emission),
             connects: true,
             is_from_infinity: false,
+            media,
         }
     }
 
-    fn from_punctual(light: &Light, numbers: &RandomNumbers) -> Self {
+    fn from_punctual(light: &Light, media: Media, numbers: &RandomNumbers) -> Self {
         let (to, place) =
             (numbers.pair(of_vertex(0, LIGHT_POINT)), numbers.pair(of_vertex(0, BSDF)));
         let LightRay { ray, flux, is_distant, extent } = light.emit(to, place);
@@ -132,6 +139,7 @@ impl LightPath {
             subpath: Subpath::from_delta_light(extent),
             connects: true,
             is_from_infinity: is_distant,
+            media,
         }
     }
 
@@ -153,13 +161,13 @@ impl LightPath {
             subpath: Subpath::from_environment(pdf, disc_area, samples.emission),
             connects: true,
             is_from_infinity: true,
+            media: Media::NONE,
         }
     }
 
     fn arrive(&mut self, surface: &Surface<'_, impl Abilities>, distance: f32) {
         let distance = if self.is_from_infinity { 1.0 } else { distance };
         self.is_from_infinity = false;
-        self.throughput *= surface.transmittance(distance);
         self.subpath =
             self.subpath.arrive(distance, cosine(surface.point.normal, self.ray.direction));
     }
@@ -176,6 +184,7 @@ impl LightPath {
         let bent = from / cosine(surface.point.normal, self.ray.direction);
         LightVertex {
             position: surface.point.position,
+            media: surface.sides.here,
             geometric: surface.point.normal,
             norm: self.subpath.norm(without, lambert(from)),
             normal: surface.bsdf.normal,
@@ -204,6 +213,7 @@ impl LightPath {
             return false;
         }
         self.ray = Ray::new(surface.point.offset_towards(sample.direction), sample.direction);
+        self.media = surface.media_towards(sample.direction);
         true
     }
 }

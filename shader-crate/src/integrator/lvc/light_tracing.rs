@@ -86,7 +86,10 @@ fn splat(
     let to_light =
         camera.pdf(abilities, -direction) * cosine(light.geometric, direction) / distance2;
     let weight = camera_weight(samples, to_light, light.norm);
-    let mut radiance = light.flux * (to_light * weight);
+    let from = light.point(scene.surfaces.offset_roundings).offset_towards(direction);
+    let segment = Ray::segment(from, origin - from, 1.0);
+    let left = scene.surfaces.transmittance(light.media, segment.direction.length());
+    let mut radiance = light.flux * left * (to_light * weight);
     if params.path.has_pixel_filter(abilities) {
         radiance *= share;
     }
@@ -94,8 +97,7 @@ fn splat(
     if radiance.max_element() <= 0.0 || !is_finite_vector(radiance) {
         return Splat::NOTHING;
     }
-    let from = light.point(scene.surfaces.offset_roundings).offset_towards(direction);
-    if scene.is_occluded(&Ray::segment(from, origin - from, 1.0)) {
+    if scene.is_blocked(&segment, light.media) {
         return Splat::NOTHING;
     }
     Splat { radiance, pixel }

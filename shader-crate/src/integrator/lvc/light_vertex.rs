@@ -1,7 +1,7 @@
 //! A vertex of a light path, in 64 bytes: four `uvec4`s.
 //!
 //! ```text
-//! position xyz, unused | triangle's normal xyz, norm | shading normal xyz, segments |
+//! position xyz, media | triangle's normal xyz, norm | shading normal xyz, segments |
 //! flux xyz, unused
 //! ```
 //!
@@ -13,6 +13,7 @@ use crate::glam::{UVec4, Vec3};
 use crate::memory::access::Scatter;
 use crate::memory::rows::{row, vector};
 use crate::scene::bsdf::diffuse;
+use crate::scene::media::Media;
 use crate::scene::ray::SurfacePoint;
 
 /// `uvec4`s of one vertex.
@@ -24,6 +25,8 @@ pub const ROWS_PER_VERTEX: u32 = 4;
 pub struct LightVertex {
     /// Where it is, in world units.
     pub position: Vec3,
+    /// What it is in.
+    pub media: Media,
     /// Unit normal of the triangle, of either sign.
     pub geometric: Vec3,
     /// [`Subpath::norm`](super::mis::Subpath::norm) of the light path.
@@ -41,7 +44,7 @@ impl LightVertex {
     /// The four rows of the buffer.
     pub fn to_rows(&self) -> [UVec4; 4] {
         [
-            row(self.position, 0),
+            row(self.position, self.media.0),
             row(self.geometric, self.norm.to_bits()),
             row(self.normal, self.segments),
             row(self.flux, 0),
@@ -52,6 +55,7 @@ impl LightVertex {
     pub fn from_rows(rows: [UVec4; 4]) -> Self {
         Self {
             position: vector(rows[0]),
+            media: Media(rows[0].w),
             geometric: vector(rows[1]),
             norm: f32::from_bits(rows[1].w),
             normal: vector(rows[2]),

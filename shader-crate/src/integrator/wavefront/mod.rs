@@ -35,8 +35,9 @@ use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
 use crate::parallel::prefix::BLOCK;
 use crate::scene::abilities::Abilities;
+use crate::scene::media::{Media, Sides};
 use crate::scene::ray::Ray;
-use crate::scene::{SceneParams, SceneView, TracingParams};
+use crate::scene::{Encounter, SceneParams, SceneView, TracingParams};
 use pool::{ENDS, Gathered, NO_LIGHT, Pool, Queue};
 
 device_struct! {
@@ -114,7 +115,12 @@ pub fn trace_queue(
     if lane >= queue.active {
         return;
     }
+    let has_media = scene.surfaces.has_media();
+    let mut media = scene.surfaces.media_of_camera();
     let ray = if lane < queue.survivors {
+        if has_media {
+            media = pool.media(rows, at(kept, lane));
+        }
         pool.segment(rows, at(kept, lane)).0
     } else {
         // Camera rays are made again where they are shaded: that costs less than to keep them.
@@ -124,7 +130,11 @@ pub fn trace_queue(
         }
         params.path.camera_ray(scene.abilities(), slot, &params.path.numbers(slot))
     };
-    pool.set_hit(rows, lane, &scene.closest_hit(&ray));
+    let Encounter { hit, sides } = scene.meet(&ray, media);
+    pool.set_hit(rows, lane, &hit);
+    if has_media {
+        pool.set_sides(rows, lane, sides);
+    }
 }
 
 /// Kernel: what the path of lane `lane` does at the end of its segment. `goes_on` becomes 1 if it
@@ -157,13 +167,22 @@ pub fn shade_queue(
     let mut path = if survives {
         pool.path(rows, at(kept, lane))
     } else {
-        Path::begin(&params.path, scene.abilities(), slot, &numbers)
+        Path::begin(&params.path, scene, slot, &numbers)
     };
-    let bounce = path.shade(&params.path, scene, &numbers, &pool.hit(rows, lane));
+    let has_media = scene.surfaces.has_media();
+    let mut sides = Sides::both(path.media);
+    if has_media {
+        sides = pool.sides(rows, lane);
+    }
+    let encounter = Encounter { hit: pool.hit(rows, lane), sides };
+    let bounce = path.shade(&params.path, scene, &numbers, &encounter);
     pool.set_light(rows, lane, number, &bounce.light, bounce.goes_on);
     if bounce.goes_on {
         *goes_on = 1;
         pool.set_path(rows, lane, &path, number);
+        if has_media {
+            pool.set_media(rows, lane, path.media);
+        }
     }
     if bounce.goes_on || bounce.light.is_some() {
         pool.set_gathered(rows, lane, Gathered { radiance: path.radiance, rays: path.rays });
@@ -190,7 +209,8 @@ pub fn shadow_queue(
         return;
     }
     let shadow = pool.shadow(rows, lane);
-    let is_visible = !scene.is_occluded(&Ray::segment(shadow.origin, shadow.direction, 1.0));
+    let segment = Ray::segment(shadow.origin, shadow.direction, 1.0);
+    let is_visible = !scene.is_blocked(&segment, Media(shadow.media));
     let mut gathered = pool.gathered(rows, lane);
     if is_visible {
         gathered.radiance += arriving.radiance;
@@ -231,8 +251,11 @@ pub fn finish_queue(
         let mut path = if survives {
             pool.path(rows, at(kept, lane))
         } else {
-            Path::begin(&params.path, scene.abilities(), slot, &numbers)
+            Path::begin(&params.path, scene, slot, &numbers)
         };
+        if survives && scene.surfaces.has_media() {
+            path.media = pool.media(rows, at(kept, lane));
+        }
         survives = false;
         while path.extend(&params.path, scene, &numbers) {}
         contributions.set(number, path.contribution());

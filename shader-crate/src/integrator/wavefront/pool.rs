@@ -10,6 +10,7 @@ use crate::glam::{UVec4, Vec3};
 use crate::integrator::path::{Path, SampledLight};
 use crate::memory::access::Scatter;
 use crate::memory::soa::{Place, soa};
+use crate::scene::media::{Media, Sides};
 use crate::scene::ray::{Hit, Ray};
 
 soa! {
@@ -63,8 +64,8 @@ soa! {
         slot: u32;
         /// To the other end.
         direction: Vec3,
-        /// Unused; zero.
-        pad: u32;
+        /// What it starts in.
+        media: u32;
     }
 }
 
@@ -86,6 +87,11 @@ const ARRIVING: u32 = FOUND + Found::ROWS;
 const SHADOW: u32 = ARRIVING + Arriving::ROWS;
 /// Rows of 16 bytes that a pool has for each lane.
 pub const POOL_ROWS: u32 = SHADOW + Shadow::ROWS;
+/// What paths are in, twice as well: what is before the end of the segment and behind it, and, from
+/// where that is shaded on, what the next one starts in.
+const AROUND: u32 = POOL_ROWS;
+/// The same where paths know what they are in.
+pub const POOL_ROWS_WITH_MEDIA: u32 = AROUND + 2;
 
 /// The lanes of the pool that have a path in an iteration.
 #[derive(Clone, Copy)]
@@ -138,7 +144,13 @@ impl Pool {
     }
 
     fn place(&self, row: u32, lane: u32, half: u32) -> Place {
-        let row = if row < HALF { row + half * HALF } else { row };
+        let row = if row < HALF {
+            row + half * HALF
+        } else if row == AROUND {
+            row + half
+        } else {
+            row
+        };
         Place { first: self.queues + row * self.lanes + lane, stride: self.lanes }
     }
 
@@ -164,7 +176,7 @@ impl Pool {
         (Ray::new(ahead.origin, ahead.direction), ahead.slot)
     }
 
-    /// The whole path that lane `lane` wrote in the iteration before.
+    /// The path that lane `lane` wrote in the iteration before, but for [what it is in](Self::media).
     pub fn path(&self, rows: &Scatter<'_, UVec4>, lane: u32) -> Path {
         let ahead = Ahead::load(rows, self.before(AHEAD, lane));
         let carried = Carried::load(rows, self.before(CARRIED, lane));
@@ -176,10 +188,12 @@ impl Pool {
             pdf: ahead.pdf,
             radiance: gathered.radiance,
             rays: gathered.rays,
+            media: Media::NONE,
         }
     }
 
-    /// Writes what a path needs to go on, all but [what it has gathered](Self::set_gathered).
+    /// Writes what a path needs to go on, all but [what it has gathered](Self::set_gathered) and
+    /// [what it is in](Self::set_media).
     pub fn set_path(&self, rows: &mut Scatter<'_, UVec4>, lane: u32, path: &Path, slot: u32) {
         let ahead =
             Ahead { origin: path.ray.origin, pdf: path.pdf, direction: path.ray.direction, slot };
@@ -215,6 +229,28 @@ impl Pool {
         found.store(rows, self.own(FOUND, lane));
     }
 
+    /// What the path is in that lane `lane` wrote in the iteration before.
+    pub fn media(&self, rows: &Scatter<'_, UVec4>, lane: u32) -> Media {
+        Media(rows.get(self.before(AROUND, lane).first).x)
+    }
+
+    /// Replaces what the path of lane `lane` is in for the iteration after this one.
+    pub fn set_media(&self, rows: &mut Scatter<'_, UVec4>, lane: u32, media: Media) {
+        rows.set(self.own(AROUND, lane).first, UVec4::new(media.0, 0, 0, 0));
+    }
+
+    /// What is on the two sides of what the segment of lane `lane` hit.
+    pub fn sides(&self, rows: &Scatter<'_, UVec4>, lane: u32) -> Sides {
+        let row = rows.get(self.own(AROUND, lane).first);
+        Sides { here: Media(row.x), beyond: Media(row.y) }
+    }
+
+    /// Replaces it.
+    pub fn set_sides(&self, rows: &mut Scatter<'_, UVec4>, lane: u32, sides: Sides) {
+        let row = UVec4::new(sides.here.0, sides.beyond.0, 0, 0);
+        rows.set(self.own(AROUND, lane).first, row);
+    }
+
     /// The light that lane `lane` has sampled.
     pub fn arriving(&self, rows: &Scatter<'_, UVec4>, lane: u32) -> Arriving {
         Arriving::load(rows, self.own(ARRIVING, lane))
@@ -247,7 +283,7 @@ impl Pool {
                 origin: light.segment.origin,
                 slot,
                 direction: light.segment.direction,
-                pad: 0,
+                media: light.media.0,
             };
             shadow.store(rows, self.own(SHADOW, lane));
         }

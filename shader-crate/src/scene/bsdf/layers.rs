@@ -5,8 +5,6 @@ use crate::glam::{UVec4, Vec2, Vec3, Vec4};
 use crate::memory::device_struct;
 use crate::memory::rows::{float, vector};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
 
 /// [`Layers::flags`]: what passes does not enter a body.
 pub const THIN: u32 = 1 << 0;
@@ -16,7 +14,7 @@ pub const MASK: u32 = 1 << 1;
 pub const BLEND: u32 = 1 << 2;
 
 device_struct! {
-    /// The record. 112 bytes.
+    /// The record. 96 bytes.
     pub struct Layers {
         /// Share of reflection at normal incidence that a dielectric surface has, as a factor of
         /// what its index of refraction says, linear Rec.709.
@@ -59,18 +57,15 @@ device_struct! {
         pub cutoff: f32,
         /// The texture that multiplies the emission, or [`NO_TEXTURE`].
         pub emission_map: u32,
-        /// Unused; zero.
-        pub pad0: u32,
-        /// What the body behind the front takes of light, linear Rec.709, by world unit.
-        pub absorption: Vec3,
-        /// Unused; zero.
-        pub pad1: u32,
+        /// Rows from the albedos of surfaces to the [metal](super::conductor), whose reflectance at
+        /// normal incidence is the base's colour; 0 where that colour is all that is known.
+        pub conductor: u32,
     }
 }
 
 impl Layers {
     /// Rows of one.
-    pub const ROWS: u32 = 7;
+    pub const ROWS: u32 = 6;
     /// Those of other materials.
     pub const NONE: Self = Self {
         specular: Vec3::ONE,
@@ -92,13 +87,11 @@ impl Layers {
         alpha: 1.0,
         cutoff: 0.0,
         emission_map: NO_TEXTURE,
-        pad0: 0,
-        absorption: Vec3::ZERO,
-        pad1: 0,
+        conductor: 0,
     };
 
-    /// Unpacks the seven rows, which are the struct's memory.
-    pub fn from_rows(rows: [UVec4; 7]) -> Self {
+    /// Unpacks the six rows, which are the struct's memory.
+    pub fn from_rows(rows: [UVec4; 6]) -> Self {
         Self {
             specular: vector(rows[0]),
             metallic: float(rows[0]),
@@ -119,22 +112,13 @@ impl Layers {
             alpha: f32::from_bits(rows[5].x),
             cutoff: f32::from_bits(rows[5].y),
             emission_map: rows[5].z,
-            pad0: rows[5].w,
-            absorption: vector(rows[6]),
-            pad1: rows[6].w,
+            conductor: rows[5].w,
         }
     }
 
     /// Whether what passes does not enter a body.
     pub fn is_thin(&self) -> bool {
         self.flags & THIN != 0
-    }
-
-    /// The share of light that is left after this `distance` through the body behind the front, by
-    /// Beer's law.
-    pub fn transmittance(&self, distance: f32) -> Vec3 {
-        let lost = self.absorption * -distance;
-        Vec3::new(lost.x.exp(), lost.y.exp(), lost.z.exp())
     }
 
     /// Whether it may have holes.

@@ -9,6 +9,7 @@
 
 pub mod albedo;
 pub mod boundary;
+pub mod conductor;
 pub mod cover;
 mod dielectric;
 pub mod diffuse;

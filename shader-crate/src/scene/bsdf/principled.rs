@@ -8,7 +8,8 @@
 //!
 //! Its lobes are
 //!
-//! - *surface*: reflection by microfacets ([`Ggx`]) with Schlick's Fresnel term;
+//! - *surface*: reflection by microfacets ([`Ggx`]) with Schlick's Fresnel term, or that of a
+//!   [conductor](super::conductor);
 //! - *base*: what follows the cosine: the diffuse base, by the share that the surface lets pass on
 //!   both ways, and what light has been reflected by several microfacets. Both are those of Kulla
 //!   and Conty, "Revisiting Physically Based Shading at Imageworks", 2017: nothing is lost, and
@@ -20,13 +21,14 @@
 use super::BsdfSample;
 use super::albedo::AlbedoView;
 use super::boundary::Boundary;
+use super::conductor::Conductor;
 use super::cover::Cover;
 use super::ggx::Ggx;
 use super::layers::Layers;
 use super::reflector::{Albedo, Reflector};
 use crate::glam::Vec3;
 use crate::math::{sample_cosine_hemisphere, tangent_frame};
-use crate::scene::abilities::{Abilities, COVER};
+use crate::scene::abilities::{Abilities, CONDUCTORS, COVER};
 use core::f32::consts::FRAC_1_PI;
 
 /// Least cosine of a direction from which a surface is seen: at the horizon densities have no
@@ -127,7 +129,11 @@ impl<F: Abilities> Principled<'_, F> {
         let mean = Albedo::new(self.albedos.mean(layers.roughness));
         let over_base =
             Reflector::new((layers.specular * (straight * straight)).min(Vec3::ONE), mean);
-        let of_metal = Reflector::new(self.colour, mean);
+        let of_metal = if self.is_conductor() {
+            Reflector::of_mean(self.colour, self.conductor().mean, mean)
+        } else {
+            Reflector::new(self.colour, mean)
+        };
         let surface = Reflector {
             f0: over_base.f0.lerp(of_metal.f0, metal),
             several: over_base.several.lerp(of_metal.several, metal),
@@ -163,6 +169,16 @@ impl<F: Abilities> Principled<'_, F> {
         }
     }
 
+    /// Whether it is a metal whose index of refraction is known, and nothing else.
+    #[inline(always)]
+    fn is_conductor(&self) -> bool {
+        self.abilities.has(CONDUCTORS) && self.layers.conductor != 0
+    }
+
+    fn conductor(&self) -> Conductor {
+        Conductor::load(self.albedos.rows, self.albedos.first + self.layers.conductor)
+    }
+
     /// Where the albedos of the boundary lie; those of a surface, if that is thin.
     fn boundary_albedos(&self) -> AlbedoView<'_> {
         AlbedoView { first: self.albedos.first + self.layers.boundary_albedos, ..self.albedos }
@@ -181,7 +197,11 @@ impl<F: Abilities> Principled<'_, F> {
             let cosine = o.dot(h).clamp(0.0, 1.0);
             let lobe = lobes.ggx.distribution(h) / (4.0 * o.z);
             let both = lobes.ggx.masking_reflected(o, i);
-            value += lobes.surface.schlick(cosine) * (opaque * both * lobe);
+            let mut reflected = lobes.surface.schlick(cosine);
+            if self.is_conductor() {
+                reflected = self.conductor().reflectance(cosine);
+            }
+            value += reflected * (opaque * both * lobe);
             pdf += surface * lobes.ggx.masking(o) * lobe;
             value += self.cosine_lobe(lobes, i) * (opaque * i.z * FRAC_1_PI);
             pdf += base * i.z * FRAC_1_PI;

@@ -33,7 +33,11 @@ impl Reflector {
     /// With several reflections by Fdez-Agüera, "A Multiple-Scattering Microfacet Model for
     /// Real-Time Image-based Lighting", JCGT 8(1), 2019: a geometric series of the mean.
     pub fn new(f0: Vec3, mean: Albedo) -> Self {
-        let f_mean = f0 + (Vec3::ONE - f0) * (1.0 / 21.0);
+        Self::of_mean(f0, f0 + (Vec3::ONE - f0) * (1.0 / 21.0), mean)
+    }
+
+    /// The same of another Fresnel term than Schlick's, with this mean over the hemisphere.
+    pub fn of_mean(f0: Vec3, f_mean: Vec3, mean: Albedo) -> Self {
         let several = f_mean * f_mean * (1.0 - mean.missed) / (Vec3::ONE - f_mean * mean.missed);
         Self { f0, several }
     }

@@ -20,7 +20,7 @@ pub mod planes;
 
 use crate::glam::{UVec2, UVec4};
 use crate::memory::access::{at, local, local_mut, scratch};
-use crate::memory::rows::three_rows;
+use crate::memory::rows::{three_rows, word};
 use crate::scene::ray::{Hit, NO_TRIANGLE, Ray};
 use node::{BoxRay, Node};
 use planes::{Plane, Planes};
@@ -170,10 +170,7 @@ impl<'a> BvhView<'a> {
 
     /// The number in the scene of the triangle number `index` in the order of the leaves.
     fn scene_triangle(&self, index: u32) -> u32 {
-        let row = at(self.rows, self.first_order + index / 4);
-        let [low, high] = [[row.x, row.y], [row.z, row.w]];
-        let [even, odd] = if index & 2 == 0 { low } else { high };
-        if index & 1 == 0 { even } else { odd }
+        word(self.rows, self.first_order, index)
     }
 
     /// The triangle number `index`, in the order of the leaves.
