@@ -68,7 +68,8 @@ fn without_the_color_term_shadows_are_blurred_and_with_it_they_survive() {
 
 /// Where all samples of a pixel at an edge agree, the edge may cover a part of it that they have
 /// missed. Over pixels whose part is anything, the squared errors of such are at most what is
-/// estimated; a quarter of it where the edge runs along the strips that samples lie in, one in each.
+/// estimated; a quarter of it where the edge runs along the strips that samples lie in, one in
+/// each.
 #[test]
 fn what_samples_at_an_edge_have_missed_is_estimated() {
     let mut sums = [0.0_f64; 2];
@@ -85,8 +86,8 @@ fn what_samples_at_an_edge_have_missed_is_estimated() {
         sums[1] += 1.0 / (3.0 * f64::from(n).powi(3));
     }
     let [happened, estimated] = sums.map(|sum| sum / pixels as f64);
-    // Some 2000 pixels are such, whose squares have a relative standard deviation of about 1.5: 0.25
-    // has a standard error of 0.01.
+    // Some 2000 pixels are such, whose squares have a relative standard deviation of about 1.5:
+    // 0.25 has a standard error of 0.01.
     let share = happened / estimated;
     assert!((share - 0.25).abs() < 0.05, "{happened:e}, by {estimated:e} {share}");
 }

@@ -16,8 +16,8 @@ use raystream_tests::with_gpu;
 const SIZE: FilmSize = FilmSize { width: 53, height: 31 };
 /// Samples of the control film in each pixel.
 const CONTROL: u32 = 4;
-/// Roundings of sums over a thousand pixels in single precision, of terms of both signs, relative to
-/// the largest correction.
+/// Roundings of sums over a thousand pixels in single precision, of terms of both signs, relative
+/// to the largest correction.
 const ROUNDING: f64 = 1e-4;
 
 /// Pixels with 4 to 300 samples: of all levels, all over the picture, and some without the second

@@ -9,12 +9,12 @@ use raystream_tests::{prepare, render, scenes, settings, with_gpu};
 
 /// Largest difference of a filtered colour, by the brightest of the picture.
 ///
-/// Weights are exponentials of squared differences over variances. A mean is off by some 4 roundings
-/// of 2^-24, a difference `d` of two by 6, and so `d^2 / v` by `12 |x| d / v` of them: where noise is
-/// a hundredth of the brightness `x`, and `d` three deviations, by 4000, which is 2.4e-4. Over k^2
-/// of 0.2 and patches, whose distances have no common sign, that is the size of a weight's error,
-/// and of the picture's where neighbours differ by as much as they are bright. The guard multiplies
-/// it by at most 2, for it is the ratio of a variance and such a difference.
+/// Weights are exponentials of squared differences over variances. A mean is off by some 4
+/// roundings of 2^-24, a difference `d` of two by 6, and so `d^2 / v` by `12 |x| d / v` of them:
+/// where noise is a hundredth of the brightness `x`, and `d` three deviations, by 4000, which is
+/// 2.4e-4. Over k^2 of 0.2 and patches, whose distances have no common sign, that is the size of a
+/// weight's error, and of the picture's where neighbours differ by as much as they are bright. The
+/// guard multiplies it by at most 2, for it is the ratio of a variance and such a difference.
 const RELATIVE: f32 = 1e-3;
 
 #[test]

@@ -8,7 +8,8 @@ use raystream::render::FilterKind;
 use raystream_tests::statistics::normal_quantile;
 
 /// Largest relative difference by the rounding of sums of up to 441 pixels by weights of a few
-/// roundings each, and of the corrections of the mean, sums over 49x49 pixels along two axes, twice.
+/// roundings each, and of the corrections of the mean, sums over 49x49 pixels along two axes,
+/// twice.
 const ROUNDING: f32 = (441.0 + 4.0 * 49.0 + 16.0) * f32::EPSILON;
 
 /// Asserts that a film without noise comes through the filter as it is.

@@ -47,7 +47,8 @@ fn what_was_learned_depends_on_every_number_of_the_description() {
     }
 }
 
-/// How far a filtered pixel follows its own colour, against what it does when that changes a little.
+/// How far a filtered pixel follows its own colour, against what it does when that changes a
+/// little.
 #[test]
 fn the_own_part_is_the_derivative() {
     const STEP: f32 = 1e-3;

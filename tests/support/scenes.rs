@@ -147,8 +147,9 @@ pub fn room(ball: Material, scale: f32) -> Scene {
     scene
 }
 
-/// A room with a block of glass, a liquid that overlaps it and has ice, a matt ball and a lamp in it,
-/// and touches the floor: bodies that absorb light, smooth and rough, with priorities and without.
+/// A room with a block of glass, a liquid that overlaps it and has ice, a matt ball and a lamp in
+/// it, and touches the floor: bodies that absorb light, smooth and rough, with priorities and
+/// without.
 pub fn drink() -> Scene {
     let mut scene = room(diffuse(0.7), 1.0);
     let tea = Some(Attenuation { colour: Vec3::new(0.9, 0.6, 0.3), distance: 0.3 });

@@ -196,8 +196,8 @@ fn name_file(_file: &File, _path: &Path) -> io::Result<File> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// The file that writing to `path` creates or replaces, symbolic links followed: two paths that lead
-/// to one file have one answer. Nothing where its folder does not exist.
+/// The file that writing to `path` creates or replaces, symbolic links followed: two paths that
+/// lead to one file have one answer. Nothing where its folder does not exist.
 pub fn written_file(path: &Path) -> Option<PathBuf> {
     let file = followed(path);
     Some(parent(&file).canonicalize().ok()?.join(file.file_name()?))

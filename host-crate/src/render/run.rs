@@ -177,8 +177,8 @@ fn trace<E: Executor>(
     Ok(None)
 }
 
-/// Paths that fit into the time that is left, by the `paths` that have taken `elapsed`: at least one
-/// if any time is left; as many as you like where nothing is known or wanted.
+/// Paths that fit into the time that is left, by the `paths` that have taken `elapsed`: at least
+/// one if any time is left; as many as you like where nothing is known or wanted.
 fn affordable(time: Option<Duration>, paths: u64, elapsed: Duration) -> u64 {
     let (Some(time), true) = (time, paths > 0) else { return u64::MAX };
     let rate = paths as f64 / elapsed.as_secs_f64().max(1e-9);

@@ -73,8 +73,8 @@ pub enum PunctualLight {
         direction: Vec3,
         /// Irradiance of a surface that faces it, linear Rec.709, each component in [0, 1e12].
         irradiance: Vec3,
-        /// How large it looks: its diameter in degrees, from 0 to 90. The sun's is 0.53. Shadows are
-        /// the softer for it.
+        /// How large it looks: its diameter in degrees, from 0 to 90. The sun's is 0.53. Shadows
+        /// are the softer for it.
         angle: f32,
     },
 }

@@ -51,8 +51,8 @@ impl Metal {
     /// wavelengths of the tables, at 612 nm, 549 nm and 465 nm, which have about the hues of
     /// Rec.709's primaries.
     ///
-    /// Silver, gold, copper: Johnson, Christy, "Optical Constants of the Noble Metals", Phys. Rev. B
-    /// 6, 1972. Iron, chromium, nickel, titanium: the same, "Optical Constants of Transition
+    /// Silver, gold, copper: Johnson, Christy, "Optical Constants of the Noble Metals", Phys. Rev.
+    /// B 6, 1972. Iron, chromium, nickel, titanium: the same, "Optical Constants of Transition
     /// Metals", Phys. Rev. B 9, 1974. Aluminium: Rakić, Appl. Opt. 34, 1995.
     pub fn conductor(self) -> Conductor {
         let [eta, k] = match self {

@@ -22,8 +22,8 @@ pub(super) enum MaterialRule {
 pub(super) struct TexturedRule {
     /// What the material is without them.
     pub material: Material,
-    /// What the textures say, the lines of an MTL that name them (0 in a scene file), and the picture
-    /// files.
+    /// What the textures say, the lines of an MTL that name them (0 in a scene file), and the
+    /// picture files.
     pub textures: Vec<(Slot, usize, PathBuf)>,
     /// Where they lie on the surface.
     pub map: TextureMap,

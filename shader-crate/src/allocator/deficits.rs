@@ -266,8 +266,8 @@ fn sum(memory: &Memory, first: u32, count: u32) -> Filled {
     filled
 }
 
-/// Kernel, in phases: the weight of each pixel, what it lacks at the last level, and the sum of each
-/// block's. Sums of all are below 2^32.
+/// Kernel, in phases: the weight of each pixel, what it lacks at the last level, and the sum of
+/// each block's. Sums of all are below 2^32.
 #[expect(clippy::too_many_arguments, reason = "one for each binding of the table's row")]
 pub fn weigh_deficits(
     phase: u32,

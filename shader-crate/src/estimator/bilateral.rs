@@ -132,12 +132,12 @@ struct Filtered {
 /// The squared error, on average over pixels beside an edge, of those whose samples have missed
 /// what lies beyond it: an upper bound of about the right size.
 ///
-/// Samples are spread so evenly that `n` of them miss no part of the pixel above `1/n` or so. That a
-/// smaller part is covered by what a neighbour shows happens to `1/n` of all pixels at an edge. The
-/// part `f` is then anything up to `1/n`, the squared error `f^2` of the squared contrast: a third
-/// of `1/n^2` of it on average. (Samples find some of these parts: an edge along an axis leaves a
-/// quarter of this.) The pixels have no variance by which one could know them, and beside a lamp
-/// they are the worst of a picture.
+/// Samples are spread so evenly that `n` of them miss no part of the pixel above `1/n` or so. That
+/// a smaller part is covered by what a neighbour shows happens to `1/n` of all pixels at an edge.
+/// The part `f` is then anything up to `1/n`, the squared error `f^2` of the squared contrast: a
+/// third of `1/n^2` of it on average. (Samples find some of these parts: an edge along an axis
+/// leaves a quarter of this.) The pixels have no variance by which one could know them, and beside
+/// a lamp they are the worst of a picture.
 fn unseen_part(contrast: f32, samples: u32) -> f32 {
     let n = samples as f32;
     contrast / (3.0 * n * n * n)
@@ -145,8 +145,8 @@ fn unseen_part(contrast: f32, samples: u32) -> f32 {
 
 /// Filters the pixel of rank `rank`, which is measured.
 ///
-/// The weights look at the pixel's colour, so that what is alike changes with it: with `FOLLOWS` its
-/// own part is not only its weight but the derivative of all, as if noise were alike in all
+/// The weights look at the pixel's colour, so that what is alike changes with it: with `FOLLOWS`
+/// its own part is not only its weight but the derivative of all, as if noise were alike in all
 /// components.
 fn filter<const FOLLOWS: bool>(params: &FilterParams, guides: &[Guide], rank: u32) -> Filtered {
     let guide = at(guides, rank);

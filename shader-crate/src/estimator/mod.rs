@@ -104,9 +104,9 @@ impl ErrorForm {
 }
 
 /// The squared error of a pixel that has found no light, relative to the [`SOFT_FLOOR`]: `3 / n`
-/// for `n` samples. That none of `n` samples is bright says, with a confidence of 95 %, that at most
-/// `3 / n` of them would be (the rule of three). 0 where there is nothing to find: the pixel has
-/// found light, or shows no surface that reflects any.
+/// for `n` samples. That none of `n` samples is bright says, with a confidence of 95 %, that at
+/// most `3 / n` of them would be (the rule of three). 0 where there is nothing to find: the pixel
+/// has found light, or shows no surface that reflects any.
 pub fn unseen_light(guide: &Guide) -> f32 {
     let is_dark = guide.color == Vec3::ZERO && guide.has_surface();
     if is_dark && guide.albedo != Vec3::ZERO { 3.0 / guide.samples as f32 } else { 0.0 }

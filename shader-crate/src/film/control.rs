@@ -74,8 +74,9 @@ device_struct! {
 
 /// Kernel: what the control film differs by from the picture in pixel `lane` of a band, and as the
 /// last component the deviation of the pixel's samples, the root of the mean variance of the
-/// components; 0 where one of the halves has no samples. The last two components of `counts` become the pixel's samples
-/// for each of the control film's, and its samples. Both are in rows, as in the passes after this.
+/// components; 0 where one of the halves has no samples. The last two components of `counts` become
+/// the pixel's samples for each of the control film's, and its samples. Both are in rows, as in the
+/// passes after this.
 pub fn control_differences(
     lane: u32,
     params: &ControlParams,

@@ -4,8 +4,8 @@
 //! proportion to it (filter importance sampling: Ernst, Stamminger, Greiner, "Filter Importance
 //! Sampling", IEEE Symposium on Interactive Ray Tracing 2006), so a sample has the weight 1, is of
 //! one pixel, and pixels stay independent of each other. What lands anywhere on the film, as
-//! [splats](super::splats) do, counts for all pixels around it; one of them is drawn, and stands for
-//! all.
+//! [splats](super::splats) do, counts for all pixels around it; one of them is drawn, and stands
+//! for all.
 //!
 //! All but the pixel itself is behind the ability
 //! [`PIXEL_FILTERS`](crate::scene::abilities::PIXEL_FILTERS).

@@ -3,8 +3,8 @@
 //!
 //! Each half of a pixel's samples (see [`crate::film`]) has one sequence per **dimension**, a pair
 //! of numbers: the camera takes the first and, with a lens, [`LENS`]; every vertex of a path takes
-//! the next [`DIMENSIONS_PER_VERTEX`]. The sequence is indexed by the half's running sample count, so
-//! adaptive rounds continue where the last one stopped.
+//! the next [`DIMENSIONS_PER_VERTEX`]. The sequence is indexed by the half's running sample count,
+//! so adaptive rounds continue where the last one stopped.
 
 /// Pairs of numbers that a path vertex may draw: [`BSDF`], [`LIGHT_POINT`], [`CHOICES`].
 pub const DIMENSIONS_PER_VERTEX: u32 = 3;

@@ -66,8 +66,8 @@ pub fn guard(
 /// The picture of a pixel that is measured, with the [terms](guard_terms) `about` it blurred.
 ///
 /// With the part `a` that `x` has in `f`, the squared difference of both has the expectation
-/// `F + (1 - 2 a) v`, where `F` is the squared error of `f`; and `F` is at least the pixel's own noise
-/// in it, `a^2 v`. The picture's own error follows: `(1 - w)^2 F + w^2 v + 2 w
+/// `F + (1 - 2 a) v`, where `F` is the squared error of `f`; and `F` is at least the pixel's own
+/// noise in it, `a^2 v`. The picture's own error follows: `(1 - w)^2 F + w^2 v + 2 w
 /// (1 - w) a v`.
 ///
 /// Averages are wrong for a calm pixel beside a noisy one. No picture is worse, on average, than

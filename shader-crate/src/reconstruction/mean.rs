@@ -1,10 +1,10 @@
 //! The mean of a filtered picture: what the filter has lost is given back.
 //!
-//! Filters lose light: bright paths that few pixels have found look like noise. What a picture lacks
-//! of another, whose mean is right, is added as [the control film](crate::film::control) adds it:
-//! each pixel gives its whole difference away, to pixels near it that are as noisy as itself. The
-//! mean of the picture is then exactly that of the other: of the control film where there is one,
-//! else of the film.
+//! Filters lose light: bright paths that few pixels have found look like noise. What a picture
+//! lacks of another, whose mean is right, is added as [the control film](crate::film::control) adds
+//! it: each pixel gives its whole difference away, to pixels near it that are as noisy as itself.
+//! The mean of the picture is then exactly that of the other: of the control film where there is
+//! one, else of the film.
 
 use super::PictureParams;
 use crate::estimator::Estimate;
@@ -45,8 +45,8 @@ device_struct! {
 }
 
 /// Kernel: what pixel `lane` lacks and the deviation of a sample, and its counts, as
-/// [`control_differences`](crate::film::control::control_differences) has them. What is not measured
-/// lacks nothing, and is as good as certain.
+/// [`control_differences`](crate::film::control::control_differences) has them. What is not
+/// measured lacks nothing, and is as good as certain.
 pub fn filtered_differences(
     lane: u32,
     params: &MeanParams,

@@ -1,9 +1,10 @@
 //! Two filtered pictures mixed as an unbiased estimate of the error says is best.
 //!
 //! With `t` of a second filtered picture `g` and the rest of a first one `f`, the squared error is
-//! a parabola in `t`. Stein's estimate says where it is lowest without the truth (Stein, "Estimation
-//! of the Mean of a Multivariate Normal Distribution", 1981; Rousselle, Manzi, Zwicker, "Robust
-//! Denoising using Feature and Color Information", 2013, choose among three filters by it): where
+//! a parabola in `t`. Stein's estimate says where it is lowest without the truth (Stein,
+//! "Estimation of the Mean of a Multivariate Normal Distribution", 1981; Rousselle, Manzi, Zwicker,
+//! "Robust Denoising using Feature and Color Information", 2013, choose among three filters by it):
+//! where
 //!
 //! ```text
 //! t = <(g - f) (x - f) - (b - a) v> / <|g - f|^2>

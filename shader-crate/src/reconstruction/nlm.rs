@@ -1,9 +1,10 @@
 //! The filter `nlm`: non-local means, each half by weights of the other (Rousselle et al.,
 //! "Adaptive Rendering with Non-Local Means Filtering", 2012).
 //!
-//! Two pixels are alike where the patches about them are: where squared differences, on average over
-//! a patch of 7x7 pixels, are no larger than the variances explain. What one half takes for alike
-//! weighs the pixels of the other, so that no weight depends on the noise that it is applied to.
+//! Two pixels are alike where the patches about them are: where squared differences, on average
+//! over a patch of 7x7 pixels, are no larger than the variances explain. What one half takes for
+//! alike weighs the pixels of the other, so that no weight depends on the noise that it is applied
+//! to.
 //!
 //! The lanes of a workgroup share a tile of the picture. For each offset of the window they compute
 //! the distances of all pixels of the tile and its border to those at the offset, sum these along
@@ -75,9 +76,9 @@ device_struct! {
         pub strength: f32,
         /// How many variances are taken off squared differences.
         pub explained: f32,
-        /// Tiles of a row of the launch, as a power of two: at least those that a row of the picture
-        /// has. A division by a number that is not known beforehand would be checked, and a lane that
-        /// may end there must not meet a barrier.
+        /// Tiles of a row of the launch, as a power of two: at least those that a row of the
+        /// picture has. A division by a number that is not known beforehand would be checked, and a
+        /// lane that may end there must not meet a barrier.
         pub row_shift: u32,
         /// Unused; zero.
         pub pad0: u32,

@@ -41,8 +41,8 @@ device_struct! {
     /// The plane of a pinhole is at distance 1, that of a lens where it is in focus, and
     /// orthographic rays start on it. A panorama has none: its three vectors have unit length.
     pub struct Camera {
-        /// The pinhole, the middle of the lens, a point of the plane or the panorama's eye, in world
-        /// units.
+        /// The pinhole, the middle of the lens, a point of the plane or the panorama's eye, in
+        /// world units.
         pub origin: Vec3,
         /// Picture width in pixels.
         pub width: u32,

@@ -158,8 +158,8 @@ pub struct Surface<'a, F> {
 }
 
 impl<'a, F: Abilities> Surface<'a, F> {
-    /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some), with what is on its
-    /// two sides.
+    /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some), with what is on
+    /// its two sides.
     pub fn at(surfaces: &SurfaceView<'a, F>, ray: &Ray, hit: &Hit, sides: Sides) -> Self {
         let triangle = surfaces.triangle(hit.triangle);
         let point = surfaces.point(&triangle, ray, hit);

@@ -117,8 +117,8 @@ fn fold(coordinate: f32, side: u32) -> f32 {
     }
 }
 
-/// The texel column (or row) of an integral coordinate in [-1, size]. Where a texture runs back, the
-/// texel beyond its edge is the one before it.
+/// The texel column (or row) of an integral coordinate in [-1, size]. Where a texture runs back,
+/// the texel beyond its edge is the one before it.
 fn wrap(coordinate: f32, size: u32, side: u32) -> u32 {
     let last = size - 1;
     let repeats = side < CLAMP;

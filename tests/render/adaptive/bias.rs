@@ -27,8 +27,8 @@ use raystream_tests::statistics::mean_and_error;
 use raystream_tests::statistics::normal_quantile;
 use raystream_tests::{scenes, with_gpu};
 
-/// Samples per pixel, renders with them, and the largest bias that `paper` and `atomic` are allowed,
-/// relative to the mean.
+/// Samples per pixel, renders with them, and the largest bias that `paper` and `atomic` are
+/// allowed, relative to the mean.
 const FEW: (u32, u32, f64) = (8, 250, 0.04);
 const MANY: (u32, u32, f64) = (64, 100, 0.03);
 /// Standard errors that are added to a measured bias before it is compared with what is allowed,

@@ -47,8 +47,8 @@ impl Primaries {
         pairs.into_iter().all(|(a, b)| (a - b).abs() <= TOLERANCE)
     }
 
-    /// The colours of these primaries as linear Rec. 709, white as white (but for XYZ, where colours
-    /// are what they are); none where these are not the primaries of a space of colours.
+    /// The colours of these primaries as linear Rec. 709, white as white (but for XYZ, where
+    /// colours are what they are); none where these are not the primaries of a space of colours.
     pub(super) fn to_rec_709(self) -> Option<DMat3> {
         let from_xyz = Self::REC_709.to_xyz()?.inverse();
         if self.is(&Self::XYZ) {

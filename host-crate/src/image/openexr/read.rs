@@ -397,7 +397,8 @@ mod tests {
         }
     }
 
-    /// A file of a layer at `position`, with the channels `names` of equal values, shown in a window.
+    /// A file of a layer at `position`, with the channels `names` of equal values, shown in a
+    /// window.
     fn write(
         path: &Path,
         names: &[&str],

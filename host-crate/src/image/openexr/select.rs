@@ -51,8 +51,8 @@ impl Colors {
     }
 }
 
-/// The colours of the picture: the plain channels if some part has them, else those of a layer; red,
-/// green and blue before luminance.
+/// The colours of the picture: the plain channels if some part has them, else those of a layer;
+/// red, green and blue before luminance.
 pub(super) fn select_color(path: &Path, headers: &[Header]) -> Result<Selection, ImageError> {
     let mut best: Option<(_, Selection)> = None;
     for (part, header) in headers.iter().enumerate() {

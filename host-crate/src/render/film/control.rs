@@ -10,11 +10,11 @@ use raystream_shaders::film::control::ControlParams;
 /// The levels: each with the samples of a pixel for each of the control film's at which the next
 /// one begins, and the standard deviation, in pixels, of the Gaussian by which differences are
 /// spread. It is measured in pixels and not in parts of the picture, since noise is:
-/// `ratio / (4 pi sigma^2)` of the variance of a pixel is added to it, 12 % at most up to a ratio of
-/// 96. docs/ADAPTIVE.md has what other values do.
+/// `ratio / (4 pi sigma^2)` of the variance of a pixel is added to it, 12 % at most up to a ratio
+/// of 96. docs/ADAPTIVE.md has what other values do.
 const LEVELS: [(f32, f32); 3] = [(6.0, 2.0), (24.0, 4.0), (f32::MAX, 8.0)];
-/// Standard deviation, in pixels, of the Gaussian over which the deviation of samples is averaged for
-/// a guide.
+/// Standard deviation, in pixels, of the Gaussian over which the deviation of samples is averaged
+/// for a guide.
 const GUIDE_SIGMA: f32 = 4.0;
 /// Standard deviations at which the Gaussian is cut off.
 const CUT: f32 = 3.0;
@@ -30,8 +30,8 @@ pub struct ControlFilm<B> {
     corrections: Array<B, Vec4>,
 }
 
-/// The parameters of a pass along the columns of a picture, by a Gaussian of a standard deviation in
-/// pixels that is cut off at so many of these.
+/// The parameters of a pass along the columns of a picture, by a Gaussian of a standard deviation
+/// in pixels that is cut off at so many of these.
 pub fn gaussian(size: FilmSize, sigma: f32, cut: f32) -> ControlParams {
     let FilmSize { width, height } = size;
     ControlParams {

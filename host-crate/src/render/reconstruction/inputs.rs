@@ -95,8 +95,8 @@ impl<B> FilterInputs<B> {
     }
 
     /// The launches that scale the variances of guides and halves to what [`Self::rows`] says of
-    /// noise, see [`calibrate`](raystream_shaders::reconstruction::halves::calibrate): the last step
-    /// of [`Self::launches`].
+    /// noise, see [`calibrate`](raystream_shaders::reconstruction::halves::calibrate): the last
+    /// step of [`Self::launches`].
     pub fn calibration(&self) -> Vec<Launch<'_, B>> {
         let calibrate = kernels::calibrate(
             &self.parameters(),

@@ -1,8 +1,8 @@
 //! Reconstruction on a device: from the film to a picture with less noise, and to the error that is
 //! left in it; see [`raystream_shaders::reconstruction`].
 //!
-//! [`FilteredPicture`] is what a filter makes of a film. [`Reconstruction`] makes a picture to look at
-//! of that, by guard and mean.
+//! [`FilteredPicture`] is what a filter makes of a film. [`Reconstruction`] makes a picture to look
+//! at of that, by guard and mean.
 
 pub mod auto;
 mod bilateral;

@@ -76,8 +76,8 @@ pub struct Places {
     lights: Vec<UVec4>,
 }
 
-/// The words of a scene's materials, and of its quad lights, which bound none; `bodies` are numbered
-/// from 1, in the order of their priorities.
+/// The words of a scene's materials, and of its quad lights, which bound none; `bodies` are
+/// numbered from 1, in the order of their priorities.
 fn words_of_materials(scene: &Scene, bodies: &[Body]) -> Vec<UVec4> {
     let word = |body: Body| {
         let number = bodies.partition_point(|other| other.key() <= body.key()) as u32;
@@ -91,7 +91,8 @@ fn words_of_materials(scene: &Scene, bodies: &[Body]) -> Vec<UVec4> {
 
 /// The row of an interface.
 fn interface(body: &Body, other: Option<&Body>, tables: &mut Tables) -> UVec4 {
-    // Indices of refraction are relative to the outside, unless a priority says that both are there.
+    // Indices of refraction are relative to the outside, unless a priority says that both are
+    // there.
     let is_absolute = |other: &&Body| body.priority.is_some() || other.priority.is_some();
     let ratio = body.ior / other.filter(is_absolute).map_or(1.0, |other| other.ior);
     if !body.is_rough {

@@ -1,5 +1,5 @@
-//! Scene files: JSON that names OBJs, and says where they are, what their materials are, what lights
-//! them and where they are seen from. Format 1 has one OBJ, format 2 any number.
+//! Scene files: JSON that names OBJs, and says where they are, what their materials are, what
+//! lights them and where they are seen from. Format 1 has one OBJ, format 2 any number.
 
 mod camera;
 mod choice;

@@ -24,8 +24,8 @@ pub(in crate::scene) struct Part {
     /// The lines of a vertex, a texture coordinate and a normal that are unusable, if any corner
     /// has one.
     pub unusable: [Option<usize>; 3],
-    /// How many faces name a texture coordinate that is not there, and the first such line; the same
-    /// of normals.
+    /// How many faces name a texture coordinate that is not there, and the first such line; the
+    /// same of normals.
     pub dangling: [(usize, usize); 2],
     /// Positions, texture coordinates and normals, each with indices.
     pub(in crate::scene) mesh: tobj::Mesh,

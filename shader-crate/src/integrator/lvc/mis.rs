@@ -34,9 +34,9 @@
 //! Light tracing is `s = K`, the camera's vertex alone from its side. Its `b_K` is that of the
 //! pinhole, which all techniques share, so it cancels; `b_(K-1)` follows from the density of the
 //! camera's ray within the pixel (see [`Camera::pdf`](crate::scene::camera::Camera::pdf)). It is
-//! left out for `K = 1`: a lamp seen directly is what eye paths find without noise. A point on a lens
-//! is chosen alike by all techniques and cancels as well. Parallel rays have a density per area from
-//! the start, in which the squared distance is 1.
+//! left out for `K = 1`: a lamp seen directly is what eye paths find without noise. A point on a
+//! lens is chosen alike by all techniques and cancels as well. Parallel rays have a density per
+//! area from the start, in which the squared distance is 1.
 //!
 //! A vertex `x_0` on the environment is a direction, and densities there are per solid angle. Light
 //! from there reaches `x_1` through a disc of area `A` across its direction, so `f_1` is `c_1 / A`,

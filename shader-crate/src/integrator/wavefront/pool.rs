@@ -69,7 +69,8 @@ soa! {
     }
 }
 
-/// [`Arriving::fate`]: there is no light to test, and nothing else of the lane's is to be looked at.
+/// [`Arriving::fate`]: there is no light to test, and nothing else of the lane's is to be looked
+/// at.
 pub const NO_LIGHT: u32 = 0;
 /// [`Arriving::fate`]: the light is for a path that goes on.
 pub const GOES_ON: u32 = 1;
@@ -176,7 +177,8 @@ impl Pool {
         (Ray::new(ahead.origin, ahead.direction), ahead.slot)
     }
 
-    /// The path that lane `lane` wrote in the iteration before, but for [what it is in](Self::media).
+    /// The path that lane `lane` wrote in the iteration before, but for [what it is
+    /// in](Self::media).
     pub fn path(&self, rows: &Scatter<'_, UVec4>, lane: u32) -> Path {
         let ahead = Ahead::load(rows, self.before(AHEAD, lane));
         let carried = Carried::load(rows, self.before(CARRIED, lane));

@@ -80,9 +80,7 @@ pub fn filter(
                     let weight = (-exponent).exp();
                     color += tap.color * weight;
                     weights += weight;
-                    let slope = (raw.slope(colors.x, colors.y)
-                        + smooth.slope(colors.z, colors.w) * filter.own)
-                        * weight;
+                    let slope = slope(filter, &raw, &smooth) * weight;
                     slopes += slope;
                     sloped_colors += slope.dot(tap.color);
                 }
@@ -94,6 +92,12 @@ pub fn filter(
     let color = color * own;
     let follows = (sloped_colors - slopes.dot(color)) * (own / 3.0);
     FilteredPixel { color, own: (own + follows).max(own).min(1.0) }
+}
+
+/// By how much the exponent falls as the pixel's own colour comes closer to the tap's.
+fn slope(filter: &PixelFilter, raw: &Contrast, smooth: &Contrast) -> Vec3 {
+    let colors = filter.colors;
+    raw.slope(colors.x, colors.y) + smooth.slope(colors.z, colors.w) * filter.own
 }
 
 /// What two colours differ by.

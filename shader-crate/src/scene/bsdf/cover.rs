@@ -1,8 +1,9 @@
 //! What lies over the rest of a principled material: sheen, and a clear coat over that.
 //!
 //! Each lets pass to what is below what it does not reflect itself, as the path sees it: `1 -
-//! E(o)`, with its albedo `E`. This keeps all light, and is not the same in both directions: a path from a
-//! light asks for the BSDF with the directions changed (see [`super::Bsdf::weight_of_flux`]).
+//! E(o)`, with its albedo `E`. This keeps all light, and is not the same in both directions: a path
+//! from a light asks for the BSDF with the directions changed (see
+//! [`super::Bsdf::weight_of_flux`]).
 
 use super::albedo::AlbedoView;
 use super::ggx::Ggx;

@@ -96,8 +96,8 @@ impl Node {
 ///   `|n| . |o|`, three of `t |n| . |d|`, where `t |d| <= |o| + |p|`, and up to five of
 ///   `c - n . o`, where a driver's division has five. With `|n.x| + |n.y| + |n.z| <= sqrt(3)` that
 ///   is below 20 u of each of the largest coordinates of `o` and of `p`.
-/// - In each axis `p` is `o + t d` but for a rounding of `t d` and one of the sum, and the test of a
-///   plane of a box at `x` has an error of up to ten roundings of `x - o`, again in the plane's
+/// - In each axis `p` is `o + t d` but for a rounding of `t d` and one of the sum, and the test of
+///   a plane of a box at `x` has an error of up to ten roundings of `x - o`, again in the plane's
 ///   place: below 12 u of each.
 ///
 /// What is relative to `p` is in the boxes ([`BOX_ROUNDINGS`], and the steps of a node's grid, see

@@ -27,7 +27,8 @@ pub const DIRECTION: u32 = 2;
 pub const MAPPED: u32 = 3;
 
 device_struct! {
-    /// One emissive triangle, and one column of the alias table that chooses among lights. 80 bytes.
+    /// One emissive triangle, and one column of the alias table that chooses among lights. 80
+    /// bytes.
     ///
     /// What the fields mean of other lights, [`punctual`] says.
     pub struct Light {

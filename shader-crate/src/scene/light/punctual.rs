@@ -39,7 +39,8 @@ pub struct LightRay {
 }
 
 impl Light {
-    /// Light of this punctual light for the point `from`, by a uniform point `u` of the unit square.
+    /// Light of this punctual light for the point `from`, by a uniform point `u` of the unit
+    /// square.
     pub(super) fn sample_punctual(&self, from: &SurfacePoint, u: [f32; 2]) -> LightSample {
         if self.kind == DIRECTION {
             self.sample_direction(from, u)

@@ -99,7 +99,8 @@ impl Describer<'_> {
             }),
             Surface::Lamp => {
                 if let Some(lost) = entry.keys.get("map_kd").filter(|_| entry.glows(surface)) {
-                    // The texture of its emission, beside which it would have counted, is not there.
+                    // The texture of its emission, beside which it would have counted, is not
+                    // there.
                     let (name, thing) = (entry.name.to_string(), lost.key.escape_default());
                     let thing = thing.to_string();
                     summary.note(&entry.path, lost.line, Fate::WithoutEffect, &thing, &name);
