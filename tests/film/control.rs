@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-4;
 fn film() -> Film {
     let pixel = |p: usize| {
         let draw = |k: u32| f64::from(random(3, p, k));
-        let second = if p % 17 == 0 { 0 } else { (300.0 * draw(0).powi(4)) as u32 + 1 };
+        let second = if p.is_multiple_of(17) { 0 } else { (300.0 * draw(0).powi(4)) as u32 + 1 };
         let scale = 1.0 + 5.0 * draw(1);
         let sum = |n: u32, k: u32| Vec3::splat((f64::from(n) * scale * (0.5 + draw(k))) as f32);
         FilmPixel {
