@@ -54,8 +54,8 @@ impl Scene {
         let bodies = self.bodies().len();
         if self.has_media() && bodies > MOST_BODIES as usize {
             let what = format!(
-                "bound {bodies} kinds of bodies, of glass or water, but where one of them absorbs light or \
-                 has a priority there are at most {MOST_BODIES}"
+                "bound {bodies} kinds of bodies, of glass or water, but where one of them absorbs \
+                 light or has a priority there are at most {MOST_BODIES}"
             );
             return Err(at("materials")(what));
         }

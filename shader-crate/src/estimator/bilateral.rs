@@ -22,7 +22,7 @@ use spirv_std::num_traits::Float as _;
 
 /// Weights are exp(-exponent). From here on they are below 2^-23, which a sum that begins with the
 /// pixel's own weight of 1 does not notice.
-const LARGEST_EXPONENT: f32 = 16.0;
+pub const LARGEST_EXPONENT: f32 = 16.0;
 /// Standard errors of the difference of two colours that count as noise.
 const TOLERANCE: f32 = 2.0;
 /// Smallest cosine for which a surface's pixel footprint is known: grazing ones are infinite.

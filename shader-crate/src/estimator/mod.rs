@@ -12,7 +12,7 @@ use crate::estimator::guide::Guide;
 use crate::film::FilmPixel;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::Vec3;
-use crate::math::is_finite;
+use crate::math::{is_finite, mean_of_components};
 use crate::memory::access::at;
 use crate::memory::device_struct;
 #[cfg(target_arch = "spirv")]
@@ -123,7 +123,7 @@ impl ErrorForm {
 /// A squared error over the squared brightness of its pixel, which is softly kept from being far
 /// below the picture's `mean_radiance`.
 pub fn relative_error(color: Vec3, squared_error: f32, mean_radiance: f32) -> f32 {
-    let radiance = color.dot(Vec3::ONE) * (1.0 / 3.0);
+    let radiance = mean_of_components(color);
     let floor = SOFT_FLOOR * mean_radiance;
     // No error is none, however dark it is.
     if squared_error == 0.0 { 0.0 } else { squared_error / (radiance * radiance + floor * floor) }
@@ -250,7 +250,7 @@ pub fn total_errors(
         if is_finite(error) {
             relative += error;
         }
-        radiance += estimate.filtered.dot(Vec3::ONE) * (1.0 / 3.0);
+        radiance += mean_of_components(estimate.filtered);
         if at(errors, pixel) > 0.0 {
             unconverged += 1;
         }

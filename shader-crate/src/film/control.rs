@@ -34,8 +34,8 @@
 
 use crate::film::FilmPixel;
 use crate::film::tiles::pixel_of_rank;
-use crate::glam::{Vec3, Vec4};
-use crate::math::is_finite_vector;
+use crate::glam::Vec4;
+use crate::math::{is_finite_vector, mean_of_components};
 use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
 #[cfg(target_arch = "spirv")]
@@ -103,7 +103,7 @@ fn difference(pixel: &FilmPixel) -> Vec4 {
     if !is_finite_vector(difference) || !is_finite_vector(variances) {
         return Vec4::ZERO;
     }
-    difference.extend((variances.dot(Vec3::ONE) * (1.0 / 3.0)).max(0.0).sqrt())
+    difference.extend(mean_of_components(variances).max(0.0).sqrt())
 }
 
 /// Kernel: the difference of pixel `lane` with its guide. `blurred` are the differences blurred

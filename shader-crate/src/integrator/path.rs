@@ -14,7 +14,7 @@ use crate::math::power_heuristic;
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, unit_float};
 use crate::scene::abilities::Abilities;
 use crate::scene::media::Media;
-use crate::scene::ray::{NO_END, Ray};
+use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
 use crate::scene::{Encounter, SceneView};
 
@@ -127,8 +127,7 @@ impl Path {
         self.rays += 1;
         let mut light = SampledLight::none();
         let Encounter { hit, sides } = *encounter;
-        let length = if hit.is_some() { hit.t } else { NO_END };
-        self.throughput *= scene.surfaces.transmittance(sides.here, length);
+        self.throughput *= scene.surfaces.transmittance(sides.here, encounter.length());
         if !hit.is_some() {
             // No light sample aims at the background, so this technique has it alone.
             self.radiance += self.throughput * scene.background;

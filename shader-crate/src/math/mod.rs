@@ -81,6 +81,11 @@ pub fn is_finite(x: f32) -> bool {
     x.to_bits() & EXPONENT != EXPONENT
 }
 
+/// The mean over the components of `v`.
+pub fn mean_of_components(v: Vec3) -> f32 {
+    v.dot(Vec3::ONE) * (1.0 / 3.0)
+}
+
 /// Whether all components of `v` are finite.
 pub fn is_finite_vector(v: Vec3) -> bool {
     is_finite(v.x) && is_finite(v.y) && is_finite(v.z)

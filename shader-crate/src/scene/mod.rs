@@ -35,7 +35,7 @@ use bvh::{BvhView, Order};
 use environment::EnvironmentView;
 use light::{Light, LightView};
 use media::{Body, Media, MediaView, Sides};
-use ray::{Hit, Ray, offset_distance};
+use ray::{Hit, NO_END, Ray, offset_distance};
 use surface::SurfaceView;
 use texture::TextureView;
 
@@ -189,7 +189,7 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 body = self.surfaces.body(&hit);
             }
             if body.is_some() {
-                let from_front = ray.direction.dot(self.bvh.plane(hit.triangle).normal) < 0.0;
+                let from_front = self.is_front(ray, &hit);
                 if !boundary.is_some() {
                     t_max = ray.t_max.min(hit.t + self.reach_of_touch(ray, &hit));
                 }
@@ -207,6 +207,12 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 return Encounter { hit, sides: Sides::both(boundary.sides.here) };
             }
         }
+    }
+
+    /// Whether what `ray` has `hit` is the front of a triangle.
+    #[inline(always)]
+    pub fn is_front(&self, ray: &Ray, hit: &Hit) -> bool {
+        ray.direction.dot(self.bvh.plane(hit.triangle).normal) < 0.0
     }
 
     /// How far along `ray`, in units of its direction's length, surfaces touch that which it `hit`:
@@ -232,6 +238,15 @@ pub struct Encounter {
     pub hit: Hit,
     /// What is on its two sides; of nothing, what the path ends in.
     pub sides: Sides,
+}
+
+impl Encounter {
+    /// How long the segment is, in units of the ray's direction's length: without an end where
+    /// nothing is met.
+    #[inline(always)]
+    pub fn length(&self) -> f32 {
+        if self.hit.is_some() { self.hit.t } else { NO_END }
+    }
 }
 
 /// Boundaries that are crossed at one place.

@@ -2,9 +2,9 @@
 
 use crate::films::Example;
 use glam::{Vec3, Vec4};
-use raystream_shaders::estimator::bilateral::Centre;
+use raystream_shaders::estimator::bilateral::{Centre, LARGEST_EXPONENT};
 use raystream_shaders::film::tiles::{pixel_of_rank, rank_of_pixel};
-use raystream_shaders::reconstruction::learned::filter::{Contrast, LARGEST_EXPONENT};
+use raystream_shaders::reconstruction::learned::filter::Contrast;
 use raystream_shaders::reconstruction::learned::network::{
     HIDDEN, INPUTS, LEAK, OUTPUTS, SECOND, THIRD, group, hidden,
 };

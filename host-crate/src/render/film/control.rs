@@ -44,6 +44,21 @@ pub fn gaussian(size: FilmSize, sigma: f32, cut: f32) -> ControlParams {
     }
 }
 
+/// The launches after which `sums` are the sums over `values` by the weights of the [`gaussian`]
+/// with these parameters; `between` is overwritten, and `sums` may be `values`.
+pub fn blur<'a, B>(
+    columns: &ControlParams,
+    values: &'a Array<B, Vec4>,
+    between: &'a Array<B, Vec4>,
+    sums: &'a Array<B, Vec4>,
+) -> [Launch<'a, B>; 2] {
+    let along_rows = ControlParams { along_rows: 1, ..*columns };
+    [
+        kernels::blur(&along_rows, values.view(), between.view()),
+        kernels::blur(columns, between.view(), sums.view()),
+    ]
+}
+
 impl<B> ControlFilm<B> {
     /// For a picture of `size`.
     pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
@@ -94,21 +109,21 @@ impl<B> ControlFilm<B> {
         let mut lowest = 0.0;
         for (end, sigma) in LEVELS {
             let level = ControlParams { lowest, end, ..gaussian(self.size, sigma, CUT) };
-            let along_rows = ControlParams { along_rows: 1, ..level };
-            launches.extend([
-                kernels::blur(&along_rows, guided.view(), one.view()),
-                kernels::blur(&level, one.view(), other.view()),
-                kernels::control_shares(
-                    &level,
-                    guided.view(),
-                    corrections.view(),
-                    other.view(),
-                    one.view(),
-                ),
-                kernels::blur(&along_rows, one.view(), other.view()),
-                kernels::blur(&level, other.view(), one.view()),
-                kernels::control_corrections(&level, guided.view(), one.view(), corrections.view()),
-            ]);
+            launches.extend(blur(&level, guided, one, other));
+            launches.push(kernels::control_shares(
+                &level,
+                guided.view(),
+                corrections.view(),
+                other.view(),
+                one.view(),
+            ));
+            launches.extend(blur(&level, one, other, one));
+            launches.push(kernels::control_corrections(
+                &level,
+                guided.view(),
+                one.view(),
+                corrections.view(),
+            ));
             lowest = end;
         }
         launches

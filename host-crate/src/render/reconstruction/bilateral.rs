@@ -8,6 +8,15 @@ use raystream_shaders::estimator::ErrorForm;
 use raystream_shaders::estimator::bilateral::FilterParams;
 use raystream_shaders::estimator::filtered::FilteredPixel;
 
+/// The parameters of a kernel that filters all pixels of the picture.
+pub(super) fn parameters(settings: FilterSettings, view: &FilterView) -> FilterParams {
+    let form = ErrorForm { mean_radiance: view.mean_radiance, ..ErrorForm::zeroed() };
+    FilterParams {
+        threads: view.camera.width * view.camera.height,
+        ..settings.parameters(&view.camera, form)
+    }
+}
+
 /// A joint bilateral filter.
 pub struct Bilateral {
     settings: FilterSettings,
@@ -27,11 +36,7 @@ impl<B> Filter<B> for Bilateral {
         view: &FilterView,
         filtered: &'a Array<B, FilteredPixel>,
     ) -> Vec<Launch<'a, B>> {
-        let form = ErrorForm { mean_radiance: view.mean_radiance, ..ErrorForm::zeroed() };
-        let parameters = FilterParams {
-            threads: inputs.parameters().threads,
-            ..self.settings.parameters(&view.camera, form)
-        };
+        let parameters = parameters(self.settings, view);
         vec![kernels::filter_picture(&parameters, inputs.guides.view(), filtered.view())]
     }
 }

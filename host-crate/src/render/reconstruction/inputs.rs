@@ -2,12 +2,11 @@
 
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::FilmBuffers;
-use crate::render::film::control::gaussian;
+use crate::render::film::control::{blur, gaussian};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use glam::Vec4;
 use raystream_shaders::estimator::guide::{Guide, GuideParams, SUM_OF_SQUARES};
-use raystream_shaders::film::control::ControlParams;
 use raystream_shaders::reconstruction::PictureParams;
 use raystream_shaders::scene::camera::Camera;
 
@@ -110,11 +109,6 @@ impl<B> FilterInputs<B> {
 
     /// Sums over [`Self::rows`] by the weights of a Gaussian that are 1 at the pixel itself.
     pub fn blur(&self, sigma: f32) -> [Launch<'_, B>; 2] {
-        let columns = gaussian(self.size, sigma, CUT);
-        let along_rows = ControlParams { along_rows: 1, ..columns };
-        [
-            kernels::blur(&along_rows, self.rows.view(), self.scratch.view()),
-            kernels::blur(&columns, self.scratch.view(), self.rows.view()),
-        ]
+        blur(&gaussian(self.size, sigma, CUT), &self.rows, &self.scratch, &self.rows)
     }
 }

@@ -1,12 +1,10 @@
 //! Launches of the filter `learned`, and what it has learned.
 
-use super::{Filter, FilterInputs, FilterView};
+use super::{Filter, FilterInputs, FilterView, bilateral};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::settings::estimation::FilterSettings;
 use crate::scene::FilmSize;
-use bytemuck::Zeroable;
 use glam::Vec4;
-use raystream_shaders::estimator::ErrorForm;
 use raystream_shaders::estimator::bilateral::FilterParams;
 use raystream_shaders::estimator::filtered::FilteredPixel;
 use raystream_shaders::reconstruction::learned::PixelFilter;
@@ -28,12 +26,7 @@ pub struct Learned<B> {
 
 /// The parameters of the filter's kernels: deviations that are 1 for the network.
 pub fn parameters(view: &FilterView) -> FilterParams {
-    let form = ErrorForm { mean_radiance: view.mean_radiance, ..ErrorForm::zeroed() };
-    FilterParams {
-        threads: view.camera.width * view.camera.height,
-        radius: RADIUS,
-        ..FilterSettings::DEFAULT.parameters(&view.camera, form)
-    }
+    FilterParams { radius: RADIUS, ..bilateral::parameters(FilterSettings::DEFAULT, view) }
 }
 
 /// What the network has learned, see
@@ -45,7 +38,7 @@ pub fn weights() -> Vec<Vec4> {
 }
 
 impl<B> Learned<B> {
-    /// For a picture of `size`, with these weights.
+    /// For a picture of `size`, with these weights: [`ROWS`] of them.
     ///
     /// # Errors
     /// If the device has no room for it.
@@ -56,13 +49,11 @@ impl<B> Learned<B> {
     ) -> Result<Self, ExecError> {
         const LABEL: &str = "filters of all pixels";
         let pixels = (size.width * size.height) as usize;
-        let filter = Self {
-            weights: Array::zeroed(executor, "weights of a network", ROWS as usize)?,
+        Ok(Self {
+            weights: Array::from_slice(executor, "weights of a network", weights)?,
             smoothed: Array::zeroed(executor, LABEL, pixels)?,
             filters: Array::zeroed(executor, LABEL, pixels)?,
-        };
-        filter.weights.write(executor, weights)?;
-        Ok(filter)
+        })
     }
 }
 

@@ -24,9 +24,8 @@ fn place(texture: Option<TextureId>, places: &[u32]) -> u32 {
     texture.map_or(NO_TEXTURE, |texture| places[texture.0 as usize])
 }
 
-/// What principled materials have beside the [`table`],
-/// for each of a scene's; nothing where none is principled. The albedos that they need are added to
-/// `tables`.
+/// What principled materials have beside the [`table`], for each of a scene's; nothing where none
+/// is principled. The albedos that they need are added to `tables`.
 pub fn layered(scene: &Scene, places: &[u32], tables: &mut Tables) -> Vec<Layers> {
     if !scene.materials.iter().any(|material| material.principled().is_some()) {
         return Vec::new();

@@ -132,8 +132,7 @@ fn seen_along(view: &SceneView<'_, Fixed<ALL>>, ray: &Ray) -> Media {
         }
         let body = view.surfaces.body(&passed);
         if body.is_some() {
-            let from_front = ray.direction.dot(view.bvh.plane(passed.triangle).normal) < 0.0;
-            crossed.push((body, from_front));
+            crossed.push((body, view.is_front(ray, &passed)));
         }
     }
     crossed.iter().rev().fold(Media::NONE, |media, &(body, from_front)| {

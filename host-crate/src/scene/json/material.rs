@@ -243,6 +243,11 @@ impl TryFrom<MaterialKeys> for FileMaterial {
 /// A principled material but for its reflectance, that, and its other textures.
 type Made = (Material, Option<Albedo>, Vec<(Slot, PathBuf)>);
 
+/// Of keys with whether they are given, those that are.
+fn given<const N: usize>(keys: [(&'static str, bool); N]) -> impl Iterator<Item = &'static str> {
+    keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
+}
+
 impl MaterialKeys {
     /// A principled material but for its reflectance, that, and its other textures. A texture
     /// multiplies a number, which is then 1 unless the file says otherwise.
@@ -315,9 +320,11 @@ impl MaterialKeys {
 
     /// The keys that are given and that conductors alone have.
     fn of_conductors(&self) -> impl Iterator<Item = &'static str> {
-        let keys =
-            [("metal", self.metal.is_some()), ("eta", self.eta.is_some()), ("k", self.k.is_some())];
-        keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
+        given([
+            ("metal", self.metal.is_some()),
+            ("eta", self.eta.is_some()),
+            ("k", self.k.is_some()),
+        ])
     }
 
     fn priority(&self) -> Option<i32> {
@@ -327,7 +334,7 @@ impl MaterialKeys {
     /// The keys that are given and that principled materials alone have, but for those of bodies,
     /// which dielectrics have as well.
     fn of_principled(&self) -> impl Iterator<Item = &'static str> {
-        let keys = [
+        given([
             ("metallic", self.metallic.is_some()),
             ("roughness", self.roughness.is_some()),
             ("transmission", self.transmission.is_some()),
@@ -340,18 +347,16 @@ impl MaterialKeys {
             ("textures", self.textures.is_some()),
             ("alpha", self.alpha.is_some()),
             ("alpha_cutoff", self.alpha_cutoff.is_some()),
-        ];
-        keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
+        ])
     }
 
     /// The keys of bodies that are given.
     fn of_bodies(&self) -> impl Iterator<Item = &'static str> {
-        let keys = [
+        given([
             ("attenuation", self.attenuation.is_some()),
             ("attenuation_distance", self.attenuation_distance.is_some()),
             ("priority", self.priority.is_some()),
-        ];
-        keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
+        ])
     }
 
     /// Fails if one of these keys is given, or one that only principled materials have.

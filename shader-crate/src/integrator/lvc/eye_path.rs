@@ -19,7 +19,7 @@ use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, 
 use crate::memory::access::at;
 use crate::scene::abilities::Abilities;
 use crate::scene::media::Media;
-use crate::scene::ray::{NO_END, Ray};
+use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
 use crate::scene::{Encounter, SceneView};
 #[cfg(target_arch = "spirv")]
@@ -96,9 +96,9 @@ impl<A: Abilities> EyeTracer<'_, A> {
     fn extend(&self, path: &mut EyePath, numbers: &RandomNumbers, depth: u32) -> bool {
         let render = &self.params.path;
         path.rays += 1;
-        let Encounter { hit, sides } = self.scene.meet(&path.ray, path.media);
-        let length = if hit.is_some() { hit.t } else { NO_END };
-        path.throughput *= self.scene.surfaces.transmittance(sides.here, length);
+        let encounter = self.scene.meet(&path.ray, path.media);
+        let Encounter { hit, sides } = encounter;
+        path.throughput *= self.scene.surfaces.transmittance(sides.here, encounter.length());
         if !hit.is_some() {
             // No other technique finds the background.
             path.radiance += path.throughput * self.scene.background;

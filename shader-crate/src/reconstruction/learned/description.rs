@@ -6,7 +6,8 @@ use super::network::{self, INPUTS};
 use super::surroundings::Surroundings;
 use crate::estimator::bilateral::{Centre, FilterParams};
 use crate::estimator::guide::{Guide, mean_of_squares};
-use crate::glam::{Vec3, Vec4};
+use crate::glam::Vec4;
+use crate::math::mean_of_components;
 use crate::memory::access::at;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -82,8 +83,8 @@ fn inputs(guide: &Guide, halves: [Vec4; 2], about: &Surroundings, floor: f32) ->
     let Surroundings { near, all, .. } = about;
     let (noise, near_noise, all_noise) =
         (guide.variance + floor, near.noise() + floor, all.noise() + floor);
-    let own = radiance(guide.color);
-    let mean = own + radiance(all.mean());
+    let own = mean_of_components(guide.color);
+    let mean = own + mean_of_components(all.mean());
     let [first, second] = halves;
     let half_difference = mean_of_squares(first.truncate() - second.truncate());
     let half_noise = first.w.max(0.0) + second.w.max(0.0) + floor;
@@ -106,7 +107,7 @@ fn inputs(guide: &Guide, halves: [Vec4; 2], about: &Surroundings, floor: f32) ->
         (guide.samples as f32).clamp(SAMPLES[0], SAMPLES[1]).ln(),
         about.surfaces(),
         ratio(about.largest_noise(), all_noise),
-        radiance(guide.albedo),
+        mean_of_components(guide.albedo),
         signed_logarithm((about.brightest() - mean) / all_noise.sqrt()),
     ]
 }
@@ -114,11 +115,6 @@ fn inputs(guide: &Guide, halves: [Vec4; 2], about: &Surroundings, floor: f32) ->
 /// The logarithm of a deviation, relative to a radiance, given its square.
 fn relative(variance: f32, radiance: f32) -> f32 {
     0.5 * (variance / (radiance * radiance + SMALL_PART * variance)).ln()
-}
-
-/// The mean over the components.
-fn radiance(color: Vec3) -> f32 {
-    color.dot(Vec3::ONE) * (1.0 / 3.0)
 }
 
 fn ratio(a: f32, b: f32) -> f32 {

@@ -1,7 +1,7 @@
 //! The filter that the network's outputs are the parameters of.
 
 use super::PixelFilter;
-use crate::estimator::bilateral::{Centre, FilterParams};
+use crate::estimator::bilateral::{Centre, FilterParams, LARGEST_EXPONENT};
 use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::{Guide, mean_of_squares};
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
@@ -9,9 +9,6 @@ use crate::glam::{Vec3, Vec4};
 use crate::memory::access::at;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
-
-/// Weights are exp(-exponent). From here on they are none.
-pub const LARGEST_EXPONENT: f32 = 16.0;
 
 /// Kernel: the filtered colour of pixel `lane` of the picture, by its own filter; black where
 /// nothing is measured.

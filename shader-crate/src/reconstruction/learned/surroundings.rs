@@ -2,10 +2,11 @@
 //!
 //! [description]: super::description
 
-use crate::estimator::bilateral::{Centre, FilterParams};
+use crate::estimator::bilateral::{Centre, FilterParams, LARGEST_EXPONENT};
 use crate::estimator::guide::{Guide, mean_of_squares, unpack_normal};
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::{Vec3, Vec4};
+use crate::math::mean_of_components;
 use crate::memory::access::at;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -14,8 +15,6 @@ use spirv_std::num_traits::Float as _;
 const REACH: u32 = 3;
 /// Pixels to each side that a smoothed colour is made of.
 const SMOOTH_REACH: u32 = 2;
-/// Weights are exp(-exponent). From here on they are none.
-const LARGEST_EXPONENT: f32 = 16.0;
 
 /// What is about a pixel that is measured. Its parts are vectors of four alone, which lie in memory
 /// alike wherever kernels are compiled to.
@@ -166,7 +165,7 @@ impl Surroundings {
         }
         if distance <= 1 {
             sums.rest.y = sums.rest.y.max(tap.variance);
-            sums.rest.z = sums.rest.z.max(tap.color.dot(Vec3::ONE) * (1.0 / 3.0));
+            sums.rest.z = sums.rest.z.max(mean_of_components(tap.color));
         }
         sums
     }
