@@ -128,25 +128,25 @@ pub fn integrator<E: Executor>(
 /// A room, open to a bright sky at one place, with a ball of glass, all of whose materials reflect
 /// less than they are lit by.
 pub fn cases(count: u32) -> Vec<Case> {
-    let sized = |mut scene: Scene, width, height| {
-        scene.film = FilmSize { width, height };
-        scene
-    };
-    let room = |ball| sized(scenes::room(ball, 1.0), 19, 13);
-    let mut open = scenes::empty(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO);
-    let ball = open.add_material(scenes::diffuse(0.9));
-    scenes::add_ball(&mut open, Vec3::ZERO, 1.0, 2, ball);
-    open.background = Vec3::splat(0.7);
+    let cameras = cameras::seen_by_others(&scenes::room(scenes::glass(1.5), 1.0));
+    let by_cameras = cameras.into_iter().map(|(name, scene)| Case::new(name, small(scene), count));
+    of_materials(count).into_iter().chain(of_lights(count)).chain(by_cameras).collect()
+}
+
+fn small(mut scene: Scene) -> Scene {
+    scene.film = FilmSize { width: 19, height: 13 };
+    scene
+}
+
+fn of_materials(count: u32) -> Vec<Case> {
+    let room = |ball| small(scenes::room(ball, 1.0));
     let ghost = Principled {
         coat: 0.6,
         sheen: Vec3::splat(0.5),
         opacity: Opacity::Blend { alpha: 0.7 },
         ..Principled::paint(Vec3::splat(0.8), 0.4)
     };
-    let cameras = cameras::seen_by_others(&scenes::room(scenes::glass(1.5), 1.0));
-    let by_cameras =
-        cameras.into_iter().map(|(name, scene)| Case::new(name, sized(scene, 19, 13), count));
-    let mut cases = vec![
+    vec![
         Case::new("half a ball of coated velvet", room(Material::Principled(ghost)), count),
         Case::new("a ball of glass", room(scenes::glass(1.5)), count),
         Case::new("a ball of glass", room(scenes::glass(1.5)), count).scrambled(),
@@ -164,26 +164,25 @@ pub fn cases(count: u32) -> Vec<Case> {
             count,
         )
         .scrambled(),
-        Case::new("a drink", sized(scenes::drink(), 19, 13), count)
+        Case::new("a drink", small(scenes::drink()), count)
             .with(|s| (s.max_depth, s.roulette_depth) = (12, 5))
             .scrambled(),
         Case::new("a glowing ball", room(scenes::emissive(3.0, 0.5)), count)
             .with(|s| s.max_depth = 1),
         Case::new("a black ball", room(scenes::diffuse(0.0)), count).with(|s| s.max_depth = 2),
+    ]
+}
+
+fn of_lights(count: u32) -> Vec<Case> {
+    let mut open = scenes::empty(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO);
+    let ball = open.add_material(scenes::diffuse(0.9));
+    scenes::add_ball(&mut open, Vec3::ZERO, 1.0, 2, ball);
+    open.background = Vec3::splat(0.7);
+    let glass = || scenes::glass(1.5);
+    vec![
         Case::new("a ball without a light", open, count).scrambled(),
-        Case::new("a room under a sky", sized(scenes::roofless(scenes::glass(1.5)), 19, 13), count)
-            .scrambled(),
-        Case::new(
-            "lights without surfaces",
-            sized(scenes::punctual(scenes::glass(1.5)), 19, 13),
-            count,
-        ),
-        Case::new(
-            "a lamp that is a picture",
-            sized(scenes::picture_lamp(scenes::glass(1.5)), 19, 13),
-            count,
-        ),
-    ];
-    cases.extend(by_cameras);
-    cases
+        Case::new("a room under a sky", small(scenes::roofless(glass())), count).scrambled(),
+        Case::new("lights without surfaces", small(scenes::punctual(glass())), count),
+        Case::new("a lamp that is a picture", small(scenes::picture_lamp(glass())), count),
+    ]
 }

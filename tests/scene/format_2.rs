@@ -194,9 +194,22 @@ fn without_texture_coordinates_the_means_are_shown() {
     );
 }
 
+/// Puts each value at its place in a scene, and asserts that the error says all its parts.
+fn assert_named(cases: &[(&str, Value, &[&str])]) {
+    for (at, value, parts) in cases {
+        let mut scene = whole();
+        let (parent, key) = at.rsplit_once('/').unwrap();
+        scene.pointer_mut(parent).unwrap()[key] = value.clone();
+        let message = folder(&scene).error();
+        for part in *parts {
+            assert!(message.contains(part), "{at}: {message:?} does not say {part:?}");
+        }
+    }
+}
+
 #[test]
-fn what_is_wrong_is_named() {
-    let mut cases: Vec<(&str, Value, &[&str])> = vec![
+fn what_is_wrong_with_meshes_and_materials_is_named() {
+    assert_named(&[
         ("/format", json!(3), &["formats 1 and 2, not 3"]),
         ("/obj", json!("a.obj"), &["unknown field `obj`"]),
         ("/meshes/0/file", json!("b.obj"), &["key `meshes[0].file`", "no such file", "b.obj"]),
@@ -210,6 +223,7 @@ fn what_is_wrong_is_named() {
             json!("wall"),
             &["meshes[1].materials", "`middle`", "`left`"],
         ),
+        ("/meshes/0/transform", json!([1]), &["meshes[0].transform", "an object {...}"]),
         ("/meshes/0/transform/scale", json!(0), &["meshes[0].transform", "determinant"]),
         ("/meshes/0/transform/translate", json!([1e13, 0, 0]), &["meshes[0].transform.translate"]),
         (
@@ -223,6 +237,12 @@ fn what_is_wrong_is_named() {
             &["unknown variant `grey`", "`red`"],
         ),
         ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
+    ]);
+}
+
+#[test]
+fn what_is_wrong_with_lights_and_cameras_is_named() {
+    assert_named(&[
         ("/lights/0/angle", json!(1), &["lights[0]", "a point light has no key `angle`"]),
         (
             "/lights/1/inner_angle",
@@ -241,17 +261,7 @@ fn what_is_wrong_is_named() {
         ("/camera/width", json!(3), &["a perspective camera has no key `width`"]),
         ("/camera/type", json!("fisheye"), &["camera.type", "unknown variant", "`panorama`"]),
         ("/camera/type", json!("orthographic"), &["an orthographic camera has no key `fov_y`"]),
-    ];
-    cases.push(("/meshes/0/transform", json!([1]), &["meshes[0].transform", "an object {...}"]));
-    for (at, value, parts) in cases {
-        let mut scene = whole();
-        let (parent, key) = at.rsplit_once('/').unwrap();
-        scene.pointer_mut(parent).unwrap()[key] = value;
-        let message = folder(&scene).error();
-        for part in parts {
-            assert!(message.contains(part), "{at}: {message:?} does not say {part:?}");
-        }
-    }
+    ]);
     let mut pinhole = whole();
     pinhole["camera"].as_object_mut().unwrap().remove("aperture");
     assert!(folder(&pinhole).error().contains("`focus` needs a lens"));

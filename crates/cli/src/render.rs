@@ -19,7 +19,7 @@ use raystream::render::{
     Budget, FilterKind, Outcome, PreparedScene, RenderError, Renderer, Settings, Stop,
     run as render,
 };
-use raystream::scene::DEFAULT_SCENE;
+use raystream::scene::{DEFAULT_SCENE, FilmSize};
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -106,14 +106,10 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
         writes_png: outputs.iter().any(|path| is_png(path)),
         ..Facts::of_device(&device)
     });
-    arguments.say(&format!(
-        "{}: {} triangles, {}x{} pixels, on {}",
-        scene.name,
-        scene.triangle_count(),
-        settings.size.width,
-        settings.size.height,
-        device.description()
-    ));
+    let (triangles, FilmSize { width, height }) = (scene.triangle_count(), settings.size);
+    let on = device.description();
+    arguments
+        .say(&format!("{}: {triangles} triangles, {width}x{height} pixels, on {on}", scene.name));
     let name = scene.name.clone();
     let prepared = arguments.settings.prepare(scene, arguments.quiet)?;
 
@@ -128,24 +124,10 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
     if outcome.paths > 0 && film.radiance.iter().all(|pixel| pixel.sum() == Vec3::ZERO) {
         output::say(&format!("warning: {BLACK}"));
     }
-
-    let mut header = vec![
-        ("scene".to_owned(), name),
-        ("device".to_owned(), device.description()),
-        ("samples".to_owned(), average_samples(&outcome, &film).to_string()),
-        ("seconds".to_owned(), format!("{:.3}", outcome.elapsed.as_secs_f64())),
-        ("stop".to_owned(), stop_name(outcome.stop).to_owned()),
-        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-    ];
-    if let Some(noise) = outcome.noise {
-        header.push(("estimated_error".to_owned(), noise.relative_error.to_string()));
-    }
-    header.extend(arguments.settings.describe(&settings));
-    header.extend(describe(&settings.sampling));
     if let Some(filter) = settings.denoise {
-        header.push(("denoise".to_owned(), filter.to_string()));
         arguments.say(&format!("filtered the picture ({filter})"));
     }
+    let header = arguments.header(name, &device, &settings, &film, &outcome);
     arguments.write(&outputs, &film, &header)?;
     Ok(if outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
 }
@@ -156,6 +138,32 @@ impl RenderArguments {
         if !self.quiet {
             output::say(line);
         }
+    }
+
+    /// What pictures say of the render of the scene `name`: keys and values.
+    fn header(
+        &self,
+        name: String,
+        device: &Device,
+        settings: &Settings,
+        film: &Film,
+        outcome: &Outcome,
+    ) -> Vec<(String, String)> {
+        let mut header = vec![
+            ("scene".to_owned(), name),
+            ("device".to_owned(), device.description()),
+            ("samples".to_owned(), average_samples(outcome, film).to_string()),
+            ("seconds".to_owned(), format!("{:.3}", outcome.elapsed.as_secs_f64())),
+            ("stop".to_owned(), stop_name(outcome.stop).to_owned()),
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ];
+        if let Some(noise) = outcome.noise {
+            header.push(("estimated_error".to_owned(), noise.relative_error.to_string()));
+        }
+        header.extend(self.settings.describe(settings));
+        header.extend(describe(&settings.sampling));
+        header.extend(settings.denoise.map(|filter| ("denoise".to_owned(), filter.to_string())));
+        header
     }
 
     /// Where the pictures go.

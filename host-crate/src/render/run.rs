@@ -48,6 +48,12 @@ pub struct Progress {
     pub convergence: f64,
 }
 
+impl Progress {
+    fn start(total_paths: Option<u64>, time: Option<Duration>) -> Self {
+        Self { paths: 0, total_paths, rays: 0, elapsed: Duration::ZERO, time, convergence: 0.0 }
+    }
+}
+
 /// How a render ended.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
@@ -103,14 +109,7 @@ pub fn run<E: Executor>(
     let start = Instant::now();
     let pixels = u64::from(renderer.pixels());
     let total_paths = budget.samples.map(|samples| u64::from(samples) * pixels);
-    let mut progress = Progress {
-        paths: 0,
-        total_paths,
-        rays: 0,
-        elapsed: Duration::ZERO,
-        time: budget.time,
-        convergence: 0.0,
-    };
+    let mut progress = Progress::start(total_paths, budget.time);
     let mut timings = Timings::default();
     let mut last_count = start;
     let mut rays_per_path = 0.0;
@@ -150,10 +149,14 @@ pub fn run<E: Executor>(
             last_count = Instant::now();
         }
     };
-    let elapsed = start.elapsed();
-    let paths = renderer.paths() - paths_before;
-    let noise = renderer.noise()?;
-    Ok(Outcome { paths, rays: renderer.rays()?, elapsed, timings, stop, noise })
+    Ok(Outcome {
+        elapsed: start.elapsed(),
+        paths: renderer.paths() - paths_before,
+        rays: renderer.rays()?,
+        noise: renderer.noise()?,
+        timings,
+        stop,
+    })
 }
 
 /// Traces a round to its end, or until it `is_late` and there are samples, or `interrupted` says so

@@ -339,19 +339,56 @@ mod tests {
         assert_eq!(limits.check(), Ok(()), "limits survive being rounded to an f32");
     }
 
+    /// A place and what spoils a scene there.
+    type Case<'a> = (&'a str, &'a dyn Fn(&mut Scene));
+
+    /// Spoils scenes and asserts that the place is named.
+    fn assert_named(cases: &[Case<'_>]) {
+        for (place, spoil) in cases {
+            let mut scene = scene();
+            spoil(&mut scene);
+            assert_eq!(scene.check().unwrap_err().place, *place);
+        }
+    }
+
+    const NAN: Vec3 = Vec3::new(0.0, f32::NAN, 0.0);
+
+    fn texture(width: u32, texels: usize) -> Texture {
+        Texture::new(width, 1, vec![[0; 4]; texels])
+    }
+
+    /// Paint with something changed.
+    fn paint(change: impl Fn(&mut Principled)) -> Material {
+        let mut material = Principled::paint(Vec3::ONE, 0.5);
+        change(&mut material);
+        Material::Principled(material)
+    }
+
     #[test]
-    #[allow(clippy::type_complexity, reason = "a table of names and functions")]
-    fn what_is_wrong_is_named() {
-        let texture = |width, texels| Texture::new(width, 1, vec![[0; 4]; texels]);
-        let nan = Vec3::new(0.0, f32::NAN, 0.0);
-        let environment = |texel| Some(Environment::new(1, 1, vec![texel]));
-        let bright = Environment { strength: 2e6, ..Environment::new(1, 1, vec![Vec3::ONE]) };
-        let principled = |spoil: fn(&mut Principled)| {
-            let mut material = Principled::paint(Vec3::ONE, 0.5);
-            spoil(&mut material);
-            Material::Principled(material)
-        };
-        let cases: [(&str, &dyn Fn(&mut Scene)); 38] = [
+    fn what_is_wrong_with_a_material_is_named() {
+        assert_named(&[
+            ("materials[0]", &|s| s.materials[0] = Material::textured(TextureId(0))),
+            ("materials[0]", &|s| s.materials[0] = Material::mirror(Vec3::splat(1.1))),
+            ("materials[0]", &|s| s.materials[0] = Material::glass(0.0)),
+            ("materials[0]", &|s| s.materials[0] = Material::emissive(NAN)),
+            ("materials[0]", &|s| s.materials[0] = paint(|m| m.roughness = 1.1)),
+            ("materials[0]", &|s| s.materials[0] = paint(|m| m.coat = -0.1)),
+            ("materials[0]", &|s| s.materials[0] = paint(|m| m.sheen.x = 1.1)),
+            ("materials[0]", &|s| {
+                s.materials[0] = Material::Principled(Principled::metal(NAN, 0.1));
+            }),
+            ("materials[0]", &|s| {
+                s.materials[0] = Material::Principled(Principled::glass(0.0, 0.1));
+            }),
+            ("materials[0]", &|s| {
+                s.materials[0] = paint(|m| m.opacity = Opacity::Blend { alpha: f32::NAN });
+            }),
+            ("materials[0]", &|s| {
+                s.materials[0] = paint(|m| {
+                    m.opacity = Opacity::Mask { alpha: 1.0, cutoff: 0.5 };
+                    m.emission = Vec3::ONE;
+                });
+            }),
             ("materials[0]", &|s| {
                 let gold = Principled::conductor(Metal::Gold.conductor(), 0.1);
                 s.materials[0] = Material::Principled(Principled { metallic: 0.5, ..gold });
@@ -361,15 +398,24 @@ mod tests {
                 let metal = Principled::conductor(of_nothing, 0.1);
                 s.materials[0] = Material::Principled(metal);
             }),
-            ("materials[0]", &|s| s.materials[0] = principled(|m| m.priority = Some(1))),
+        ]);
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_body_is_named() {
+        assert_named(&[
+            ("materials[0]", &|s| s.materials[0] = paint(|m| m.priority = Some(1))),
             ("materials[0]", &|s| {
-                s.materials[0] = principled(|m| {
-                    (m.transmission, m.priority) = (1.0, Some(1001));
+                s.materials[0] = paint(|m| (m.transmission, m.priority) = (1.0, Some(1001)));
+            }),
+            ("materials[0]", &|s| {
+                s.materials[0] = paint(|m| {
+                    (m.transmission, m.thin_walled, m.priority) = (1.0, true, Some(1));
                 });
             }),
             ("materials[0]", &|s| {
-                s.materials[0] = principled(|m| {
-                    (m.transmission, m.thin_walled, m.priority) = (1.0, true, Some(1));
+                s.materials[0] = paint(|m| {
+                    m.attenuation = Some(Attenuation { colour: Vec3::ONE, distance: 0.0 });
                 });
             }),
             ("materials", &|s| {
@@ -377,23 +423,15 @@ mod tests {
                 let liquids = (0..256).map(|k| Principled { ior: 1.3 + k as f32 * 1e-3, ..water });
                 s.materials.extend(liquids.map(Material::Principled));
             }),
-            ("materials[0]", &|s| s.materials[0] = principled(|m| m.coat = -0.1)),
-            ("materials[0]", &|s| s.materials[0] = principled(|m| m.sheen.x = 1.1)),
-            ("materials[0]", &|s| {
-                s.materials[0] = principled(|m| {
-                    m.attenuation = Some(Attenuation { colour: Vec3::ONE, distance: 0.0 });
-                });
-            }),
-            ("materials[0]", &|s| {
-                s.materials[0] = principled(|m| m.opacity = Opacity::Blend { alpha: f32::NAN });
-            }),
-            ("materials[0]", &|s| {
-                s.materials[0] = principled(|m| {
-                    m.opacity = Opacity::Mask { alpha: 1.0, cutoff: 0.5 };
-                    m.emission = Vec3::ONE;
-                });
-            }),
-            ("environment", &|s| s.environment = environment(nan)),
+        ]);
+    }
+
+    #[test]
+    fn what_is_wrong_around_the_meshes_is_named() {
+        let environment = |texel| Some(Environment::new(1, 1, vec![texel]));
+        let bright = Environment { strength: 2e6, ..Environment::new(1, 1, vec![Vec3::ONE]) };
+        assert_named(&[
+            ("environment", &|s| s.environment = environment(NAN)),
             ("environment", &|s| s.environment = Some(Environment::new(2, 1, vec![Vec3::ONE]))),
             ("environment", &|s| s.environment = Some(bright.clone())),
             ("film", &|s| s.film.width = 0),
@@ -404,21 +442,16 @@ mod tests {
             ("background", &|s| s.background = Vec3::NEG_X),
             ("textures[0]", &|s| s.textures.push(texture(0, 0))),
             ("textures[0]", &|s| s.textures.push(texture(2, 1))),
-            ("materials[0]", &|s| s.materials[0] = Material::textured(TextureId(0))),
-            ("materials[0]", &|s| s.materials[0] = Material::mirror(Vec3::splat(1.1))),
-            ("materials[0]", &|s| s.materials[0] = Material::glass(0.0)),
-            ("materials[0]", &|s| s.materials[0] = Material::emissive(nan)),
-            ("materials[0]", &|s| {
-                s.materials[0] = Material::Principled(Principled::paint(Vec3::ONE, 1.1));
-            }),
-            ("materials[0]", &|s| {
-                s.materials[0] = Material::Principled(Principled::metal(nan, 0.1));
-            }),
-            ("materials[0]", &|s| {
-                s.materials[0] = Material::Principled(Principled::glass(0.0, 0.1));
-            }),
+            ("quad_lights[0]", &|s| s.quad_lights[0].v = s.quad_lights[0].u),
+            ("quad_lights[0].radiance", &|s| s.quad_lights[0].radiance = NAN),
+        ]);
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_mesh_is_named() {
+        assert_named(&[
             ("meshes[0].material", &|s| s.meshes[0].material = MaterialId(1)),
-            ("meshes[0].positions[1]", &|s| s.meshes[0].positions[1] = nan),
+            ("meshes[0].positions[1]", &|s| s.meshes[0].positions[1] = NAN),
             ("meshes[0].triangles[0]", &|s| s.meshes[0].triangles[0][2] = 3),
             ("meshes[0].normals", &|s| s.meshes[0].normals = Some(Vec::new())),
             ("meshes[0].normals[0]", &|s| s.meshes[0].normals = Some(vec![[Vec3::ONE; 3]])),
@@ -429,13 +462,6 @@ mod tests {
                 let texture = s.add_texture(texture(1, 1));
                 s.materials[0] = Material::textured(texture);
             }),
-            ("quad_lights[0]", &|s| s.quad_lights[0].v = s.quad_lights[0].u),
-            ("quad_lights[0].radiance", &|s| s.quad_lights[0].radiance = nan),
-        ];
-        for (place, spoil) in cases {
-            let mut scene = scene();
-            spoil(&mut scene);
-            assert_eq!(scene.check().unwrap_err().place, place);
-        }
+        ]);
     }
 }

@@ -175,12 +175,7 @@ impl<'a, F: Abilities> Surface<'a, F> {
         let mut shading = geometric;
         if triangle.attributes != NO_ATTRIBUTES {
             let a = surfaces.attributes(triangle.attributes);
-            let w = 1.0 - hit.u - hit.v;
-            let normal = a.normal0 * w + a.normal1 * hit.u + a.normal2 * hit.v;
-            let length = normal.length_squared();
-            if length > 0.0 {
-                shading = normal / length.sqrt();
-            }
+            shading = a.normal(hit, geometric);
             if surfaces.abilities.has(TEXTURES) {
                 let uv = a.uv(hit);
                 if material.texture != NO_TEXTURE {

@@ -14,6 +14,8 @@ use crate::memory::device_struct;
 use crate::memory::rows::{float, row, vector};
 use crate::scene::bvh::planes::Plane;
 use crate::scene::ray::{Hit, Ray};
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float as _;
 
 /// The attribute index of a triangle without normals and texture coordinates.
 pub const NO_ATTRIBUTES: u32 = u32::MAX;
@@ -92,6 +94,15 @@ impl Attributes {
             v2: f32::from_bits(last.z),
             tangent: last.w,
         }
+    }
+
+    /// The normal of `hit`, of length 1; where those of the corners cancel, the `geometric` one.
+    #[inline(always)]
+    pub fn normal(&self, hit: &Hit, geometric: Vec3) -> Vec3 {
+        let w = 1.0 - hit.u - hit.v;
+        let normal = self.normal0 * w + self.normal1 * hit.u + self.normal2 * hit.v;
+        let length = normal.length_squared();
+        if length > 0.0 { normal / length.sqrt() } else { geometric }
     }
 
     /// The texture coordinates of `hit`, `v` upwards.

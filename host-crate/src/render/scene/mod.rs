@@ -29,6 +29,7 @@ use raystream_shaders::scene::abilities::{
     ALL, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, MEDIA, PRINCIPLED,
     PUNCTUAL, TEXTURES,
 };
+use raystream_shaders::scene::bsdf::layers::Layers;
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
 use raystream_shaders::scene::light::{DIRECTION, Light, POINT};
 use raystream_shaders::scene::media::NO_MEDIA;
@@ -78,18 +79,15 @@ impl PreparedScene {
         let bvh = bvh::build(&triangles, quality);
         let environment = scene.environment.as_ref().and_then(PackedEnvironment::new);
         let ball = Ball::around(triangles.iter().flat_map(|triangle| triangle.corners));
-        let power = environment.as_ref().map(|packed| packed.power * ball.radius_squared());
         let lights = lights::build(&Emitters {
             triangles: &triangles,
             materials: &materials,
             mapped: &mapped,
             punctual: &scene.punctual_lights,
             ball,
-            environment: power,
+            environment: environment.as_ref().map(|it| it.power * ball.radius_squared()),
         });
         let mut geometry = bvh.nodes;
-        let first_planes = append(&mut geometry, &triangles::planes(&triangles, &bvh.order));
-        let first_order = append(&mut geometry, &rows_of(&bvh.order));
         let mut surfaces = triangles::shading(&triangles, &mapped, &bvh.order);
         let mut tables = Tables::new(scene.materials.len() as u32);
         let layers = materials::layered(scene, &places, &mut tables);
@@ -102,28 +100,17 @@ impl PreparedScene {
             environment: environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
                 packed.append(&mut texels, lights.environment_chance, ball)
             }),
-            first_planes,
-            first_order,
+            first_planes: append(&mut geometry, &triangles::planes(&triangles, &bvh.order)),
+            first_order: append(&mut geometry, &rows_of(&bvh.order)),
             first_attributes: append(&mut surfaces, &attributes),
             first_material: append(&mut surfaces, &materials),
             first_light: append(&mut surfaces, &lights.table),
             first_media: NO_MEDIA,
             ..SceneParams::zeroed()
         };
-        if !layers.is_empty() {
-            // Right behind the lights, where the kernels look for them.
-            append(&mut surfaces, albedos::of_surface());
-            append(&mut surfaces, &layers);
-            append(&mut surfaces, &tables.rows);
-        }
+        append_layers(&mut surfaces, &layers, &tables);
         params.first_emission_map = append(&mut surfaces, &lights.maps);
-        if let Some(media) = &media {
-            params.first_media = append(&mut surfaces, &media.rows);
-            let view = SceneView::new(Fixed, &params, &geometry, &surfaces, &texels);
-            let places = media.places(&view, scene.camera.origin, &lights.table);
-            media.complete(&mut surfaces[params.first_media as usize..], &places);
-        }
-        Ok(Self {
+        let mut prepared = Self {
             geometry,
             surfaces,
             texels,
@@ -134,7 +121,21 @@ impl PreparedScene {
             copies,
             camera: scene.camera,
             limits: scene.limits,
-        })
+        };
+        if let Some(media) = &media {
+            prepared.add_media(media, &lights);
+        }
+        Ok(prepared)
+    }
+
+    /// Adds what camera and lights are in, which is asked of the rest of the scene.
+    fn add_media(&mut self, media: &PackedMedia, lights: &Lights) {
+        self.abilities |= MEDIA;
+        self.params.first_media = append(&mut self.surfaces, &media.rows);
+        let Self { geometry, surfaces, texels, params, camera, .. } = self;
+        let view = SceneView::new(Fixed, params, geometry, surfaces, texels);
+        let places = media.places(&view, camera.origin, &lights.table);
+        media.complete(&mut surfaces[params.first_media as usize..], &places);
     }
 
     /// What the picture lacks of the scene, for its user to know: a sentence for each kind.
@@ -169,7 +170,7 @@ impl PreparedScene {
     }
 }
 
-/// What a scene uses.
+/// What a scene uses, but for [`MEDIA`].
 fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
     let has_textures = any(|material| material.textures().next().is_some());
@@ -188,7 +189,6 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (has_cover, COVER),
         (has_conductors, CONDUCTORS),
         (has_holes, HOLES),
-        (params.first_media != NO_MEDIA, MEDIA),
         (!is_pinhole, CAMERAS),
         (lights.table.iter().any(is_punctual), PUNCTUAL),
         (!lights.maps.is_empty(), EMISSION_MAPS),
@@ -196,6 +196,16 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     .into_iter()
     .filter(|(uses, _)| *uses)
     .fold(0, |word, (_, ability)| word | ability)
+}
+
+/// Adds the layers of principled materials, if there are any. Nothing may have been added since the
+/// lights: the kernels look for them right behind.
+fn append_layers(surfaces: &mut Vec<UVec4>, layers: &[Layers], tables: &Tables) {
+    if !layers.is_empty() {
+        append(surfaces, albedos::of_surface());
+        append(surfaces, layers);
+        append(surfaces, &tables.rows);
+    }
 }
 
 /// Four words to a row, the last filled up by zeros.
@@ -216,7 +226,7 @@ fn append<T: Pod>(rows: &mut Vec<UVec4>, elements: &[T]) -> u32 {
 mod tests {
     use super::*;
     use raystream_shaders::scene::bsdf;
-    use raystream_shaders::scene::bsdf::layers::Layers;
+
     use raystream_shaders::scene::light::EmissionMap;
     use raystream_shaders::scene::triangle::Attributes;
 

@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use crate::scene::error::SceneError;
+use gltf::json::accessor::sparse::Sparse;
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked::Valid;
 
@@ -135,8 +136,21 @@ impl Document<'_> {
             }
             None => vec![[T::default(); N]; count],
         };
-        let Some(sparse) = &found.sparse else { return Ok(elements) };
-        let here = format!("{here}.sparse");
+        if let Some(sparse) = &found.sparse {
+            self.replace(&mut elements, sparse, size, &format!("{here}.sparse"), element)?;
+        }
+        Ok(elements)
+    }
+
+    /// Replaces the elements, whose rows have `size` bytes, that are stored apart.
+    fn replace<T>(
+        &self,
+        elements: &mut [T],
+        sparse: &Sparse,
+        size: usize,
+        here: &str,
+        element: impl Fn(&[u8]) -> T,
+    ) -> Result<(), SceneError> {
         let Valid(kind) = sparse.indices.component_type else {
             return Err(self.wrong(&format!("{here}.indices.componentType"), "is none of glTF's"));
         };
@@ -159,13 +173,14 @@ impl Document<'_> {
         let places = self.rows(&places, &of_places)?;
         for (at, value) in places.zip(self.rows(&others, &of_others)?) {
             let at = kind.index(at) as usize;
+            let count = elements.len();
             let Some(found) = elements.get_mut(at) else {
                 let what = format!("names element {at}, but there are {count}");
-                return Err(self.wrong(&format!("{here}.indices"), what));
+                return Err(self.wrong(&of_places, what));
             };
             *found = element(value);
         }
-        Ok(elements)
+        Ok(())
     }
 
     /// The bytes of each row.

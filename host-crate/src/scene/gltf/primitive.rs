@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::geometry::Geometry;
+use super::layout::Layout;
 use super::material::{Materials, Surface, VertexColour};
 use crate::scene::bounds::MAX_COORDINATE;
 use crate::scene::description::Scene;
@@ -139,34 +140,15 @@ impl Primitive<'_, '_> {
             return Ok(Shape::NOTHING);
         }
         let mut has_all_numbers = true;
-        let normals = self.attribute(Semantic::Normals);
-        let normals = normals.map(|accessor| self.vectors::<3>(accessor, "NORMAL", count));
-        let normals = normals.transpose()?.map(|normals| {
-            let usable = |normal: [f32; 3]| {
-                let normal = Vec3::from_array(normal);
-                has_all_numbers &= normal.is_finite();
-                if normal.is_finite() { normal } else { Vec3::ZERO }
-            };
-            normals.into_iter().map(usable).collect()
-        });
+        let normals = self.normals(count, &mut has_all_numbers)?;
         let colour = self.colour(count, lacks)?;
         let has_set = |set: u32| self.attribute(Semantic::TexCoords(set)).is_some();
         let material = self.json().material.map(|material| material.value());
         let made = materials.surface(material, colour, has_set, &self.place(), scene)?;
-        let mut texture_coordinates = None;
-        if let Some(layout) = made.layout
-            && let Some(accessor) = self.attribute(Semantic::TexCoords(layout.set))
-        {
-            let name = format!("TEXCOORD_{}", layout.set);
-            let usable = |uv: [f32; 2]| {
-                let uv = layout.of(uv);
-                let is_usable = uv.abs().max_element() <= MAX_COORDINATE as f32;
-                has_all_numbers &= is_usable && !uv.is_nan();
-                if is_usable && !uv.is_nan() { uv } else { Vec2::ZERO }
-            };
-            let coordinates = self.vectors::<2>(accessor, &name, count)?;
-            texture_coordinates = Some(coordinates.into_iter().map(usable).collect());
-        }
+        let texture_coordinates = match &made.layout {
+            Some(layout) => self.texture_coordinates(layout, count, &mut has_all_numbers)?,
+            None => None,
+        };
         lacks.numbers += usize::from(!has_all_numbers);
         let geometry = Geometry {
             positions: positions.into_iter().map(Vec3::from_array).collect(),
@@ -176,6 +158,44 @@ impl Primitive<'_, '_> {
             is_joined: mode == Mode::TriangleStrip,
         };
         Ok(Shape { geometry: Some(Rc::new(geometry)), surface: made.surface })
+    }
+
+    /// The normals of its vertices, if it has any. One that is no vector is zero, and is noted.
+    fn normals(
+        &self,
+        count: usize,
+        has_all_numbers: &mut bool,
+    ) -> Result<Option<Vec<Vec3>>, SceneError> {
+        let Some(accessor) = self.attribute(Semantic::Normals) else { return Ok(None) };
+        let usable = |normal: [f32; 3]| {
+            let normal = Vec3::from_array(normal);
+            *has_all_numbers &= normal.is_finite();
+            if normal.is_finite() { normal } else { Vec3::ZERO }
+        };
+        let normals = self.vectors::<3>(accessor, "NORMAL", count)?;
+        Ok(Some(normals.into_iter().map(usable).collect()))
+    }
+
+    /// The texture coordinates of its vertices, if it has any, in a layout. Some that are no
+    /// numbers of use are zero, and are noted.
+    fn texture_coordinates(
+        &self,
+        layout: &Layout,
+        count: usize,
+        has_all_numbers: &mut bool,
+    ) -> Result<Option<Vec<Vec2>>, SceneError> {
+        let Some(accessor) = self.attribute(Semantic::TexCoords(layout.set)) else {
+            return Ok(None);
+        };
+        let name = format!("TEXCOORD_{}", layout.set);
+        let usable = |uv: [f32; 2]| {
+            let uv = layout.of(uv);
+            let is_usable = uv.abs().max_element() <= MAX_COORDINATE as f32;
+            *has_all_numbers &= is_usable && !uv.is_nan();
+            if is_usable && !uv.is_nan() { uv } else { Vec2::ZERO }
+        };
+        let coordinates = self.vectors::<2>(accessor, &name, count)?;
+        Ok(Some(coordinates.into_iter().map(usable).collect()))
     }
 
     /// The colour of its vertices.

@@ -219,12 +219,41 @@ struct Gathered {
 
 impl Gathered {
     fn finish(self, file: &mut File<'_>) -> Result<Obj, SceneError> {
-        let Self { vertices, faces, has, unread } = self;
+        let mut mesh = tobj::Mesh::default();
+        let used = self.faces_into(&mut mesh, file)?;
+        let origin = self.origin(&used, file)?;
+        self.vertices_into(&mut mesh, &used, origin);
+        let Self { vertices, has, unread, .. } = self;
+        let part = Part {
+            material: Name::new(NO_MATERIAL),
+            faces: mesh.face_arities.len(),
+            first_line: 0,
+            has_texture_coordinates: has.texture_coordinates,
+            has_normals: has.normals,
+            unusable: [None; 3],
+            dangling: [(0, 0); 2],
+            mesh,
+        };
+        Ok(Obj {
+            libraries: Vec::new(),
+            parts: vec![part],
+            unread: unread.into_iter().map(|name| (Name::new(name.as_bytes()), (1, 0))).collect(),
+            coloured: (if has.colours { vertices.len() } else { 0 }, 0),
+            unusable: None,
+        })
+    }
+
+    /// Puts the faces into a mesh; tells for each vertex whether a face uses it.
+    fn faces_into(
+        &self,
+        mesh: &mut tobj::Mesh,
+        file: &mut File<'_>,
+    ) -> Result<Vec<bool>, SceneError> {
+        let Self { vertices, faces, .. } = self;
         if faces.is_empty() {
             let what = if vertices.is_empty() { "it is empty" } else { "it is a cloud of points" };
             return Err(file.wrong("element face", format!("there are no faces: {what}")));
         }
-        let mut mesh = tobj::Mesh::default();
         let mut used = vec![false; vertices.len()];
         for (number, face) in faces.iter().enumerate() {
             let place = || format!("element face, number {number}");
@@ -248,50 +277,41 @@ impl Gathered {
                 mesh.face_arities.push(corners.len() as u32);
             }
         }
-        let places = || vertices.iter().map(|vertex| DVec3::from_array(vertex.position));
+        Ok(used)
+    }
+
+    /// The middle of the vertices, which those that faces use must be near.
+    fn origin(&self, used: &[bool], file: &File<'_>) -> Result<DVec3, SceneError> {
+        let places = || self.vertices.iter().map(|vertex| DVec3::from_array(vertex.position));
         let finite: Vec<DVec3> = places().filter(|place| place.is_finite()).collect();
         let origin = origin_of(std::iter::once(finite.into_iter()));
         let is_near = |place: DVec3| (place - origin).abs().max_element() <= MAX_COORDINATE;
-        if let Some(vertex) = places().zip(&used).position(|(place, used)| *used && !is_near(place))
-        {
-            let what = format!(
-                "is more than {MAX_COORDINATE:e} from the middle of the others, or is no number"
-            );
-            return Err(file.wrong(&format!("element vertex, number {vertex}"), what));
-        }
-        for (vertex, used) in vertices.iter().zip(&used) {
+        let far = places().zip(used).position(|(place, used)| *used && !is_near(place));
+        let Some(vertex) = far else { return Ok(origin) };
+        let what = format!(
+            "is more than {MAX_COORDINATE:e} from the middle of the others, or is no number"
+        );
+        Err(file.wrong(&format!("element vertex, number {vertex}"), what))
+    }
+
+    /// Puts the vertices into a mesh that has its faces.
+    fn vertices_into(&self, mesh: &mut tobj::Mesh, used: &[bool], origin: DVec3) {
+        for (vertex, used) in self.vertices.iter().zip(used) {
             // What no face uses need not be a place.
             mesh.positions.extend(if *used { vertex.position } else { origin.to_array() });
-            if has.normals {
+            if self.has.normals {
                 mesh.normals.extend(vertex.normal);
             }
-            if has.texture_coordinates {
+            if self.has.texture_coordinates {
                 let usable = |value: f64| if value.abs() <= 1e12 { value } else { 0.0 };
                 mesh.texcoords.extend(vertex.texture_coordinates.map(usable));
             }
         }
-        if has.normals {
+        if self.has.normals {
             mesh.normal_indices.clone_from(&mesh.indices);
         }
-        if has.texture_coordinates {
+        if self.has.texture_coordinates {
             mesh.texcoord_indices.clone_from(&mesh.indices);
         }
-        let part = Part {
-            material: Name::new(NO_MATERIAL),
-            faces: mesh.face_arities.len(),
-            first_line: 0,
-            has_texture_coordinates: has.texture_coordinates,
-            has_normals: has.normals,
-            unusable: [None; 3],
-            dangling: [(0, 0); 2],
-            mesh,
-        };
-        Ok(Obj {
-            libraries: Vec::new(),
-            parts: vec![part],
-            unread: unread.into_iter().map(|name| (Name::new(name.as_bytes()), (1, 0))).collect(),
-            coloured: (if has.colours { vertices.len() } else { 0 }, 0),
-            unusable: None,
-        })
     }
 }

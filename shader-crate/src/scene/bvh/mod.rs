@@ -113,11 +113,8 @@ impl<'a> BvhView<'a> {
                 let first = first_triangle + triangles.trailing_zeros();
                 triangles &= triangles - 1;
                 // The last one alone is tested twice.
-                let second = if triangles == 0 {
-                    first
-                } else {
-                    first_triangle + triangles.trailing_zeros()
-                };
+                let next = first_triangle + triangles.trailing_zeros();
+                let second = if triangles == 0 { first } else { next };
                 triangles &= triangles.wrapping_sub(1);
                 // Both are loaded before one is tested, so that one latency hides the other.
                 let planes = (self.planes(first), self.planes(second));

@@ -112,11 +112,7 @@ impl Describer<'_> {
                 let reflectance = entry.reflectance("ks", Vec3::ZERO)?;
                 return Ok(MaterialRule::Plain(Material::mirror(reflectance)));
             }
-            Surface::Glass => {
-                let ior = entry.number("ni")?.unwrap_or(DEFAULT_IOR);
-                let ior = bounds::ior(ior).map_err(|what| entry.error("ni", what))?;
-                return Ok(MaterialRule::Plain(Material::glass(ior)));
-            }
+            Surface::Glass => return Ok(MaterialRule::Plain(Material::glass(entry.ior()?))),
             Surface::Paint => Material::diffuse(DEFAULT_REFLECTANCE),
         };
         let colour = self.colour(entry, summary);
@@ -137,8 +133,8 @@ impl Describer<'_> {
             return Ok(MaterialRule::Plain(material));
         };
         for (_, other) in found.iter().filter(|(_, other)| other.map != map) {
-            let name = entry.name.to_string();
             let thing = format!("place of {}", other.path.display());
+            let name = entry.name.to_string();
             summary.note(&entry.path, other.line, Fate::WithoutEffect, &thing, &name);
         }
         let textures = found.into_iter().map(|(slot, file)| (slot, file.line, file.path)).collect();
@@ -241,6 +237,11 @@ impl Entry {
         self.keys.contains_key("pr") || self.hints("pm").first().is_some_and(|&pm| pm != 0.0)
     }
 
+    fn ior(&self) -> Result<f32, SceneError> {
+        let ior = self.number("ni")?.unwrap_or(DEFAULT_IOR);
+        bounds::ior(ior).map_err(|what| self.error("ni", what))
+    }
+
     /// What those keys say, but for the colour. Where there is no roughness, the exponent of the
     /// highlight tells it, as Blender writes it: `1000 (1 - roughness)^2`.
     fn principled(&self) -> Result<Principled, SceneError> {
@@ -248,11 +249,10 @@ impl Entry {
         let exponent = self.hints("ns").first().copied();
         let rough = |ns: f64| 1.0 - (ns / SHARPEST).clamp(0.0, 1.0).sqrt();
         let is_glass = GLASS_MODELS.contains(&model) && self.is_transparent();
-        let ior = self.number("ni")?.unwrap_or(DEFAULT_IOR);
         Ok(Principled {
             metallic: self.share("pm", 0.0)?,
             roughness: self.share("pr", exponent.map_or(DEFAULT_ROUGHNESS, rough))?,
-            ior: bounds::ior(ior).map_err(|what| self.error("ni", what))?,
+            ior: self.ior()?,
             transmission: f32::from(u8::from(is_glass)),
             coat: self.share("pc", 0.0)?,
             coat_roughness: self.share("pcr", 0.0)?,

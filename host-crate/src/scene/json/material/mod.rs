@@ -1,29 +1,26 @@
 //! The rule that a scene file gives for a material.
 
+mod textures;
+
+pub(super) use self::textures::key_of;
+
+use self::textures::{Albedo, TextureKeys};
 use super::values::{
     AttenuationDistance, Colour, Eta, Extinction, Factor, Ior, Object, Priority, Radiance, Share,
-    Slope, present,
+    present,
 };
 use crate::scene::material::{Attenuation, Material, Opacity, Principled, Reflectance};
 use crate::scene::metal::{Conductor, Metal};
 use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
 use glam::Vec3;
-use serde::de::{MapAccess, SeqAccess, Visitor, value};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use std::path::PathBuf;
 
 /// What a material is, as a scene file says it.
 #[derive(Debug, Deserialize)]
 #[serde(try_from = "MaterialKeys")]
 pub(super) struct FileMaterial(pub MaterialRule);
-
-/// The reflectance of a diffuse material: one colour, or the picture in the given file.
-#[derive(Debug)]
-enum Albedo {
-    Colour(Colour),
-    Texture(PathBuf),
-}
 
 /// All keys of all materials. One flat struct, so that messages name the key and its line.
 #[derive(Deserialize)]
@@ -77,81 +74,6 @@ struct MaterialKeys {
     textures: Option<Object<TextureKeys>>,
 }
 
-/// The textures of a principled material beside that of its reflectance.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TextureKeys {
-    #[serde(default, deserialize_with = "present")]
-    roughness: Option<Object<ChannelKeys>>,
-    #[serde(default, deserialize_with = "present")]
-    metallic: Option<Object<ChannelKeys>>,
-    #[serde(default, deserialize_with = "present")]
-    normal: Option<Object<NormalKeys>>,
-    #[serde(default, deserialize_with = "present")]
-    emission: Option<Object<FileKeys>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ChannelKeys {
-    file: PathBuf,
-    channel: TextureChannel,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum TextureChannel {
-    Red,
-    Green,
-    Blue,
-    Alpha,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NormalKeys {
-    file: PathBuf,
-    #[serde(default, deserialize_with = "present")]
-    scale: Option<Slope>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FileKeys {
-    file: PathBuf,
-}
-
-/// The key within a material that names the file of a texture.
-pub(super) fn key_of(slot: Slot) -> &'static str {
-    match slot {
-        Slot::Colour => "reflectance.texture",
-        Slot::Roughness(_) => "textures.roughness.file",
-        Slot::Metallic(_) => "textures.metallic.file",
-        Slot::Normal(_) => "textures.normal.file",
-        Slot::Emission => "textures.emission.file",
-    }
-}
-
-impl TextureKeys {
-    fn slots(self) -> impl Iterator<Item = (Slot, PathBuf)> {
-        let channel = |slot: fn(u32) -> Slot| {
-            move |Object(ChannelKeys { file, channel })| (slot(channel as u32), file)
-        };
-        let normal = self.normal.map(|Object(NormalKeys { file, scale })| {
-            (Slot::Normal(scale.map_or(1.0, |Slope(scale)| scale)), file)
-        });
-        let emission = self.emission.map(|Object(FileKeys { file })| (Slot::Emission, file));
-        [
-            self.roughness.map(channel(Slot::Roughness)),
-            self.metallic.map(channel(Slot::Metallic)),
-            normal,
-            emission,
-        ]
-        .into_iter()
-        .flatten()
-    }
-}
-
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum MaterialKind {
@@ -168,94 +90,113 @@ impl TryFrom<MaterialKeys> for FileMaterial {
     type Error = String;
 
     fn try_from(keys: MaterialKeys) -> Result<Self, String> {
-        let white = Colour(Vec3::ONE);
-        let plain = |material| Ok(Self(MaterialRule::Plain(material)));
-        let textured = |material, slots: Vec<(Slot, PathBuf)>| {
-            let textures = slots.into_iter().map(|(slot, file)| (slot, 0, file)).collect();
-            let map = TextureMap::default();
-            let rule = TexturedRule { material, textures, map, otherwise: None };
-            Ok(Self(MaterialRule::Textured(rule)))
-        };
-        match keys.kind {
-            MaterialKind::Diffuse => {
-                keys.refuse("a diffuse", &["radiance", "ior", "transmittance"])?;
-                match needed("a diffuse", "reflectance", keys.reflectance)? {
-                    Albedo::Colour(Colour(colour)) => plain(Material::diffuse(colour)),
-                    Albedo::Texture(path) => {
-                        textured(Material::diffuse(Vec3::ONE), vec![(Slot::Colour, path)])
-                    }
-                }
-            }
-            MaterialKind::Mirror => {
-                keys.refuse("a mirror", &["radiance", "ior", "transmittance"])?;
-                let reflectance = colour("a mirror", keys.reflectance)?;
-                plain(Material::mirror(needed("a mirror", "reflectance", reflectance)?.0))
-            }
-            MaterialKind::Dielectric => {
-                keys.refuse("a dielectric", &["radiance"])?;
-                let (attenuation, priority) = (keys.attenuation()?, keys.priority());
-                plain(Material::Dielectric {
-                    ior: needed("a dielectric", "ior", keys.ior)?.0,
-                    transmittance: keys.transmittance.unwrap_or(white).0,
-                    reflectance: colour("a dielectric", keys.reflectance)?.unwrap_or(white).0,
-                    attenuation,
-                    priority,
-                })
-            }
-            MaterialKind::Emissive => {
-                keys.refuse("an emissive", &["ior", "transmittance"])?;
-                let black = Colour(Vec3::ZERO);
-                plain(Material::Emissive {
-                    radiance: needed("an emissive", "radiance", keys.radiance)?.0,
-                    reflectance: colour("an emissive", keys.reflectance)?.unwrap_or(black).0,
-                })
-            }
-            MaterialKind::Principled => {
-                keys.refuse("a principled", &["transmittance"])?;
-                let (material, reflectance, mut slots) = keys.principled()?;
-                let material = match needed("a principled", "reflectance", reflectance)? {
-                    Albedo::Colour(Colour(colour)) => {
-                        material.with_reflectance(Reflectance::Colour(colour))
-                    }
-                    Albedo::Texture(path) => {
-                        slots.insert(0, (Slot::Colour, path));
-                        material
-                    }
-                };
-                if slots.is_empty() { plain(material) } else { textured(material, slots) }
-            }
-            MaterialKind::Conductor => {
-                let all = ["reflectance", "radiance", "ior", "transmittance"];
-                keys.refuse("a conductor", &all)?;
-                let Share(roughness) = keys.roughness.unwrap_or(Share(0.0));
-                let metal = Principled::conductor(keys.conductor()?, roughness);
-                plain(Material::Principled(metal))
-            }
+        let material = match keys.kind {
+            MaterialKind::Diffuse => keys.diffuse()?,
+            MaterialKind::Mirror => keys.mirror()?.into(),
+            MaterialKind::Dielectric => keys.dielectric()?.into(),
+            MaterialKind::Emissive => keys.emissive()?.into(),
+            MaterialKind::Principled => keys.principled()?,
+            MaterialKind::Conductor => keys.metal()?.into(),
             MaterialKind::Null => {
-                let all = ["reflectance", "radiance", "ior", "transmittance"];
-                keys.refuse("a null", &all)?;
-                Ok(Self(MaterialRule::Null))
+                keys.refuse("a null", &SHARED)?;
+                return Ok(Self(MaterialRule::Null));
             }
-        }
+        };
+        Ok(Self(material.rule()))
     }
 }
 
-/// A principled material but for its reflectance, that, and its other textures.
-type Made = (Material, Option<Albedo>, Vec<(Slot, PathBuf)>);
+/// A material and the files of its textures.
+struct Made {
+    material: Material,
+    textures: Vec<(Slot, PathBuf)>,
+}
+
+impl From<Material> for Made {
+    fn from(material: Material) -> Self {
+        Self { material, textures: Vec::new() }
+    }
+}
+
+impl Made {
+    /// With its reflectance.
+    fn with_albedo(mut self, albedo: Albedo) -> Self {
+        match albedo {
+            Albedo::Colour(Colour(colour)) => {
+                self.material = self.material.with_reflectance(Reflectance::Colour(colour));
+            }
+            Albedo::Texture(path) => self.textures.insert(0, (Slot::Colour, path)),
+        }
+        self
+    }
+
+    fn rule(self) -> MaterialRule {
+        let Self { material, textures } = self;
+        if textures.is_empty() {
+            return MaterialRule::Plain(material);
+        }
+        let textures = textures.into_iter().map(|(slot, file)| (slot, 0, file)).collect();
+        let map = TextureMap::default();
+        MaterialRule::Textured(TexturedRule { material, textures, map, otherwise: None })
+    }
+}
 
 /// Of keys with whether they are given, those that are.
 fn given<const N: usize>(keys: [(&'static str, bool); N]) -> impl Iterator<Item = &'static str> {
     keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
 }
 
+/// The keys that several kinds have.
+const SHARED: [&str; 4] = ["reflectance", "radiance", "ior", "transmittance"];
+
 impl MaterialKeys {
-    /// A principled material but for its reflectance, that, and its other textures. A texture
-    /// multiplies a number, which is then 1 unless the file says otherwise.
-    fn principled(self) -> Result<Made, String> {
+    fn diffuse(self) -> Result<Made, String> {
+        self.refuse("a diffuse", &["radiance", "ior", "transmittance"])?;
+        let albedo = needed("a diffuse", "reflectance", self.reflectance)?;
+        Ok(Made::from(Material::diffuse(Vec3::ONE)).with_albedo(albedo))
+    }
+
+    fn mirror(self) -> Result<Material, String> {
+        self.refuse("a mirror", &["radiance", "ior", "transmittance"])?;
+        let reflectance = colour("a mirror", self.reflectance)?;
+        Ok(Material::mirror(needed("a mirror", "reflectance", reflectance)?.0))
+    }
+
+    fn dielectric(self) -> Result<Material, String> {
+        self.refuse("a dielectric", &["radiance"])?;
+        let white = Colour(Vec3::ONE);
         let (attenuation, priority) = (self.attenuation()?, self.priority());
-        let slots: Vec<_> =
+        Ok(Material::Dielectric {
+            ior: needed("a dielectric", "ior", self.ior)?.0,
+            transmittance: self.transmittance.unwrap_or(white).0,
+            reflectance: colour("a dielectric", self.reflectance)?.unwrap_or(white).0,
+            attenuation,
+            priority,
+        })
+    }
+
+    fn emissive(self) -> Result<Material, String> {
+        self.refuse("an emissive", &["ior", "transmittance"])?;
+        let black = Colour(Vec3::ZERO);
+        Ok(Material::Emissive {
+            radiance: needed("an emissive", "radiance", self.radiance)?.0,
+            reflectance: colour("an emissive", self.reflectance)?.unwrap_or(black).0,
+        })
+    }
+
+    fn metal(self) -> Result<Material, String> {
+        self.refuse("a conductor", &SHARED)?;
+        let Share(roughness) = self.roughness.unwrap_or(Share(0.0));
+        Ok(Material::Principled(Principled::conductor(self.conductor()?, roughness)))
+    }
+
+    /// A texture multiplies a number, which is then 1 unless the file says otherwise.
+    fn principled(self) -> Result<Made, String> {
+        self.refuse("a principled", &["transmittance"])?;
+        let (attenuation, priority) = (self.attenuation()?, self.priority());
+        let textures: Vec<_> =
             self.textures.map(|Object(textures)| textures.slots().collect()).unwrap_or_default();
-        let has = |wanted: fn(&Slot) -> bool| slots.iter().any(|(slot, _)| wanted(slot));
+        let has = |wanted: fn(&Slot) -> bool| textures.iter().any(|(slot, _)| wanted(slot));
         let roughness = if has(|slot| matches!(slot, Slot::Roughness(_))) { 1.0 } else { 0.5 };
         let metallic = if has(|slot| matches!(slot, Slot::Metallic(_))) { 1.0 } else { 0.0 };
         let emission = if has(|slot| *slot == Slot::Emission) { Vec3::ONE } else { Vec3::ZERO };
@@ -293,7 +234,8 @@ impl MaterialKeys {
                         `thin_walled`, `alpha` or `alpha_cutoff`";
             return Err(what.to_owned());
         }
-        Ok((material, self.reflectance, slots))
+        let albedo = needed("a principled", "reflectance", self.reflectance)?;
+        Ok(Made { material, textures }.with_albedo(albedo))
     }
 
     fn attenuation(&self) -> Result<Option<Attenuation>, String> {
@@ -397,35 +339,5 @@ fn colour(kind: &str, reflectance: Option<Albedo>) -> Result<Option<Colour>, Str
         )),
         Some(Albedo::Colour(colour)) => Ok(Some(colour)),
         None => Ok(None),
-    }
-}
-
-impl<'de> Deserialize<'de> for Albedo {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ColourOrTexture;
-
-        impl<'de> Visitor<'de> for ColourOrTexture {
-            type Value = Albedo;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("[red, green, blue] or {\"texture\": file}")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Albedo, A::Error> {
-                Colour::deserialize(value::SeqAccessDeserializer::new(values)).map(Albedo::Colour)
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, keys: A) -> Result<Albedo, A::Error> {
-                #[derive(Deserialize)]
-                #[serde(deny_unknown_fields)]
-                struct TextureKeys {
-                    texture: String,
-                }
-                let keys = TextureKeys::deserialize(value::MapAccessDeserializer::new(keys))?;
-                Ok(Albedo::Texture(PathBuf::from(keys.texture)))
-            }
-        }
-
-        deserializer.deserialize_any(ColourOrTexture)
     }
 }

@@ -1,0 +1,120 @@
+//! The textures that a scene file gives a material.
+
+use crate::scene::json::values::{Colour, Object, Slope, present};
+use crate::scene::rule::Slot;
+use serde::de::{MapAccess, SeqAccess, Visitor, value};
+use serde::{Deserialize, Deserializer};
+use std::path::PathBuf;
+
+/// The reflectance of a diffuse material: one colour, or the picture in the given file.
+#[derive(Debug)]
+pub(super) enum Albedo {
+    Colour(Colour),
+    Texture(PathBuf),
+}
+
+impl<'de> Deserialize<'de> for Albedo {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ColourOrTexture;
+
+        impl<'de> Visitor<'de> for ColourOrTexture {
+            type Value = Albedo;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("[red, green, blue] or {\"texture\": file}")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Albedo, A::Error> {
+                Colour::deserialize(value::SeqAccessDeserializer::new(values)).map(Albedo::Colour)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, keys: A) -> Result<Albedo, A::Error> {
+                #[derive(Deserialize)]
+                #[serde(deny_unknown_fields)]
+                struct TextureKeys {
+                    texture: String,
+                }
+                let keys = TextureKeys::deserialize(value::MapAccessDeserializer::new(keys))?;
+                Ok(Albedo::Texture(PathBuf::from(keys.texture)))
+            }
+        }
+
+        deserializer.deserialize_any(ColourOrTexture)
+    }
+}
+
+/// The textures of a principled material beside that of its reflectance.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TextureKeys {
+    #[serde(default, deserialize_with = "present")]
+    roughness: Option<Object<ChannelKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    metallic: Option<Object<ChannelKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    normal: Option<Object<NormalKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    emission: Option<Object<FileKeys>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChannelKeys {
+    file: PathBuf,
+    channel: TextureChannel,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum TextureChannel {
+    Red,
+    Green,
+    Blue,
+    Alpha,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NormalKeys {
+    file: PathBuf,
+    #[serde(default, deserialize_with = "present")]
+    scale: Option<Slope>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileKeys {
+    file: PathBuf,
+}
+
+/// The key within a material that names the file of a texture.
+pub(in crate::scene::json) fn key_of(slot: Slot) -> &'static str {
+    match slot {
+        Slot::Colour => "reflectance.texture",
+        Slot::Roughness(_) => "textures.roughness.file",
+        Slot::Metallic(_) => "textures.metallic.file",
+        Slot::Normal(_) => "textures.normal.file",
+        Slot::Emission => "textures.emission.file",
+    }
+}
+
+impl TextureKeys {
+    /// What each is for, and its file.
+    pub fn slots(self) -> impl Iterator<Item = (Slot, PathBuf)> {
+        let channel = |slot: fn(u32) -> Slot| {
+            move |Object(ChannelKeys { file, channel })| (slot(channel as u32), file)
+        };
+        let normal = self.normal.map(|Object(NormalKeys { file, scale })| {
+            (Slot::Normal(scale.map_or(1.0, |Slope(scale)| scale)), file)
+        });
+        let emission = self.emission.map(|Object(FileKeys { file })| (Slot::Emission, file));
+        [
+            self.roughness.map(channel(Slot::Roughness)),
+            self.metallic.map(channel(Slot::Metallic)),
+            normal,
+            emission,
+        ]
+        .into_iter()
+        .flatten()
+    }
+}
