@@ -34,14 +34,14 @@
 //!
 //! From a scene file to a picture: [`scene`] loads, [`exec`] runs kernels on a device,
 //! [`render`](mod@render) is the loop that fills the [`film`], [`image`] writes it, [`denoise`]
-//! filters what was written. The kernels
-//! themselves are the crate [`raystream_shaders`].
+//! filters what was written, [`film_file`] keeps a render for later. The kernels themselves are the crate [`raystream_shaders`].
 
 pub mod color;
 pub mod denoise;
 pub mod exec;
 mod facade;
 pub mod film;
+pub mod film_file;
 pub mod image;
 pub mod names;
 pub mod prelude;

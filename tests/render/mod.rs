@@ -1,6 +1,7 @@
 //! Whole renders.
 
 mod adaptive;
+mod checkpoints;
 mod devices;
 mod references;
 mod rounds;

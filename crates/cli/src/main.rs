@@ -9,7 +9,9 @@
 mod agreement;
 mod bench;
 mod camera;
+mod checkpoints;
 mod choices;
+mod command;
 mod compare;
 mod convergence;
 mod denoise;
@@ -17,6 +19,7 @@ mod devices;
 mod effects;
 mod ending;
 mod entries;
+mod frames;
 #[cfg(test)]
 mod fuzz;
 mod hints;
@@ -24,10 +27,13 @@ mod inspect;
 mod integrators;
 mod interrupt;
 mod loading;
+mod merge;
 mod options;
 mod output;
+mod picture;
 mod progress;
 mod render;
+mod resume;
 mod sampling;
 mod scenes;
 
@@ -60,6 +66,12 @@ struct Arguments {
 enum Command {
     /// Render a scene to a picture.
     Render(render::RenderArguments),
+    /// Go on with a render that was kept in a film file.
+    Resume(resume::ResumeArguments),
+    /// Make a picture of a film file.
+    Picture(picture::PictureArguments),
+    /// Make one film file of those of a render's parts.
+    Merge(merge::MergeArguments),
     /// Compare two pictures: RMSE, relMSE, ratio of the means.
     Compare(compare::CompareArguments),
     /// Take noise out of a picture that was rendered before, here or by another renderer.
@@ -81,7 +93,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     start_logging(arguments.verbose);
     report_panics();
-    match run(&arguments, &Given::of(&matches)) {
+    match run(arguments, &Given::of(&matches)) {
         Ok(Ending::Done) => ExitCode::SUCCESS,
         Ok(Ending::Interrupted) => ExitCode::from(INTERRUPTED),
         Err(error) => {
@@ -91,7 +103,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments, given: &Given) -> Result<Ending, CliError> {
+fn run(arguments: Arguments, given: &Given) -> Result<Ending, CliError> {
     if let Some(threads) = arguments.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
         pool.build_global().map_err(|error| {
@@ -99,14 +111,17 @@ fn run(arguments: &Arguments, given: &Given) -> Result<Ending, CliError> {
         })?;
     }
     interrupt::catch()?;
-    match &arguments.command {
+    match arguments.command {
         Command::Render(arguments) => render::run(arguments, given),
-        Command::Compare(arguments) => compare::run(arguments, given),
-        Command::Denoise(arguments) => denoise::run(arguments, given),
-        Command::Inspect(arguments) => inspect::run(arguments),
-        Command::Devices(arguments) => devices::run(arguments),
+        Command::Resume(arguments) => resume::run(&arguments),
+        Command::Picture(arguments) => picture::run(&arguments, given),
+        Command::Merge(arguments) => merge::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments, given),
+        Command::Denoise(arguments) => denoise::run(&arguments, given),
+        Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Devices(arguments) => devices::run(&arguments),
         Command::Scenes => scenes::run(),
-        Command::Bench(command) => bench::run(command, given),
+        Command::Bench(command) => bench::run(&command, given),
     }
 }
 

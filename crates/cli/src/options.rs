@@ -170,6 +170,11 @@ impl SettingsArguments {
         self.seed
     }
 
+    /// Makes it another one.
+    pub fn set_seed(&mut self, seed: u32) {
+        self.seed = seed;
+    }
+
     /// The integrator.
     pub fn integrator(&self) -> IntegratorKind {
         self.integrator

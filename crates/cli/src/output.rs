@@ -1,6 +1,7 @@
 //! Text for people.
 
 use super::ending::CliError;
+use raystream::film::Film;
 use raystream::image::{Format, check_writable, written_file};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -49,6 +50,12 @@ pub fn check_outputs(paths: &[PathBuf], source: Option<&Path>) -> Result<(), Cli
         }
     }
     Ok(())
+}
+
+/// Samples per pixel; an average, to two digits after the point.
+pub fn average_samples(film: &Film) -> f64 {
+    let samples: u64 = film.radiance.iter().map(|pixel| u64::from(pixel.samples())).sum();
+    (samples as f64 / film.radiance.len() as f64 * 100.0).round() / 100.0
 }
 
 /// A size in bytes, rounded: `1.5 GiB`.

@@ -104,8 +104,14 @@ fn fraction(progress: &Progress) -> f64 {
 fn describe(progress: &Progress) -> String {
     let seconds = progress.elapsed.as_secs_f64().max(1e-9);
     let done = fraction(progress);
-    let left = if done > 0.0 {
-        format!(", {:.0} s left", seconds * (1.0 - done) / done)
+    let begun = fraction(&Progress {
+        paths: progress.paths_before,
+        elapsed: Duration::ZERO,
+        convergence: 0.0,
+        ..*progress
+    });
+    let left = if done > begun {
+        format!(", {:.0} s left", seconds * (1.0 - done) / (done - begun))
     } else {
         String::new()
     };
@@ -114,7 +120,8 @@ fn describe(progress: &Progress) -> String {
     } else {
         String::new()
     };
-    format!("{}samples/s{rays}{left}", rate(progress.paths as f64 / seconds))
+    let paths = progress.paths - progress.paths_before;
+    format!("{}samples/s{rays}{left}", rate(paths as f64 / seconds))
 }
 
 #[cfg(test)]
@@ -125,6 +132,7 @@ mod tests {
     fn the_nearer_end_counts() {
         let progress = Progress {
             paths: 25,
+            paths_before: 0,
             total_paths: Some(100),
             rays: 100,
             elapsed: Duration::from_secs(5),

@@ -1,8 +1,14 @@
 //! `raystream render`
 
+use super::checkpoints::{
+    CheckpointArguments, Keeper, Kept, RenderWatch, check_film, is_of_one_sequence,
+    settings_of_part,
+};
 use super::choices::choice;
+use super::command;
 use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
+use super::frames::{self, Frames};
 use super::hints::with_hint;
 use super::interrupt;
 use super::options::{DeviceArguments, DisplayArguments, SettingsArguments, parse_seconds};
@@ -13,15 +19,15 @@ use clap::Args;
 use glam::Vec3;
 use raystream::exec::device::Device;
 use raystream::film::Film;
+use raystream::film_file::{Command, FilmFile};
 use raystream::image;
 use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
-    Budget, FilterKind, Outcome, PreparedScene, RenderError, Renderer, Settings, Stop,
-    run as render,
+    Budget, FilterKind, Outcome, PreparedScene, Renderer, Settings, Stop, run_watched,
 };
 use raystream::scene::{DEFAULT_SCENE, FilmSize};
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// The options of `raystream render`.
@@ -34,7 +40,7 @@ pub struct RenderArguments {
     /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be
     /// given several times [default: the scene's name with .png].
     #[arg(short, long, value_name = "FILE")]
-    output: Vec<PathBuf>,
+    pub output: Vec<PathBuf>,
     /// Samples per pixel on average over the pixels [default: 64, or as many as --time or --noise
     /// take].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
@@ -66,13 +72,23 @@ pub struct RenderArguments {
     /// estimated, picture.albedo.png, picture.normal.png and picture.depth.png.
     #[arg(long)]
     png_layers: bool,
+    #[command(flatten)]
+    pub checkpoints: CheckpointArguments,
+    /// Render these frames one after the other: 1-240, or every tenth, 1-240x10. The number of a
+    /// frame takes the place of #### in the names of the scene, the pictures and the film file, and
+    /// is added to the seed.
+    #[arg(long, value_name = "FRAMES")]
+    frames: Option<Frames>,
+    /// The frame that is being rendered.
+    #[arg(skip)]
+    frame: Option<u32>,
     /// Say nothing but warnings and errors.
     #[arg(short, long)]
-    quiet: bool,
+    pub quiet: bool,
 }
 
 /// Samples per pixel go up to this: beyond, sample counts in an f32 are not exact.
-const MAX_SAMPLES: i64 = 1 << 24;
+pub const MAX_SAMPLES: i64 = 1 << 24;
 /// Characters of the default file name; 4 bytes each at most, and file names have up to 255.
 const MAX_STEM: usize = 60;
 /// Samples per pixel where nothing is asked for.
@@ -83,15 +99,53 @@ const BLACK: &str = "the picture is black: no path met light that shines towards
     on the side of cross(u, v), an emissive material on the front of its triangles; a lamp may be \
     turned away, or behind a wall, or the camera may be enclosed.";
 
-/// Renders a scene and writes the pictures.
-pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliError> {
+/// A render that goes on from a film file.
+pub struct Resumed {
+    /// How it goes on.
+    pub command: Command,
+    /// Where it is.
+    pub film: FilmFile,
+}
+
+/// Renders a scene, or each frame of one, and writes the pictures.
+pub fn run(mut arguments: RenderArguments, given: &Given) -> Result<Ending, CliError> {
+    let Some(frames) = arguments.frames.take() else { return go_on(&arguments, given, None) };
+    arguments.check_frames()?;
+    let seed = arguments.settings.seed();
+    let patterns: Vec<PathBuf> = arguments.paths().map(|path| path.clone()).collect();
+    for frame in frames.numbers() {
+        for (path, pattern) in arguments.paths().zip(&patterns) {
+            *path = frames::fill_path(pattern, frame);
+        }
+        arguments.settings.set_seed(seed.wrapping_add(frame));
+        arguments.frame = Some(frame);
+        arguments.say(&format!("frame {frame}"));
+        if let Ending::Interrupted = go_on(&arguments, given, None)
+            .map_err(|error| format!("frame {frame}: {}", with_hint(error.as_ref())))?
+        {
+            return Ok(Ending::Interrupted);
+        }
+    }
+    Ok(Ending::Done)
+}
+
+/// The same, from where a render was left if there is one.
+pub fn go_on(
+    arguments: &RenderArguments,
+    given: &Given,
+    from: Option<&Resumed>,
+) -> Result<Ending, CliError> {
     interrupt::begin_render();
+    if arguments.checkpoints.checkpoint.is_some() && arguments.scene == Path::new("-") {
+        return Err(
+            "--checkpoint: a scene on standard input is gone when the render goes on; put \
+                    it into a file"
+                .into(),
+        );
+    }
     let scene = arguments.settings.load_scene(&arguments.scene, arguments.quiet)?;
     let outputs = arguments.outputs(&scene.name);
-    output::check_outputs(&outputs, None)?;
-    if arguments.png_layers {
-        check_layers(&outputs)?;
-    }
+    arguments.check_files(&outputs)?;
     let device = arguments.device.open()?;
     let mut settings = Settings {
         sampling: arguments.sampling.sampling(),
@@ -112,11 +166,9 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
         .say(&format!("{}: {triangles} triangles, {width}x{height} pixels, on {on}", scene.name));
     let name = scene.name.clone();
     let prepared = arguments.settings.prepare(scene, arguments.quiet)?;
-
-    let budget = arguments.budget(&settings);
     arguments.fall_back_on_large_films(&device, &mut settings);
-    let mut display = ProgressDisplay::new(arguments.quiet);
-    let (film, outcome) = render_film(&device, &prepared, &settings, budget, &mut display)?;
+    let job = Job { arguments, from, device: &device, prepared: &prepared, settings, name };
+    let Rendered { film, outcome, kept } = job.render()?;
     arguments.say(&summary(&outcome, &film));
     for line in shortcomings(&outcome, &film, settings.sampling.noise) {
         output::say(&line);
@@ -127,9 +179,148 @@ pub fn run(arguments: &RenderArguments, given: &Given) -> Result<Ending, CliErro
     if let Some(filter) = settings.denoise {
         arguments.say(&format!("filtered the picture ({filter})"));
     }
-    let header = arguments.header(name, &device, &settings, &film, &outcome);
-    arguments.write(&outputs, &film, &header)?;
+    arguments.write(&outputs, &film, &job.picture_header(&film, &outcome))?;
+    kept?;
     Ok(if outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
+}
+
+/// All that a render is made of.
+struct Job<'a> {
+    arguments: &'a RenderArguments,
+    from: Option<&'a Resumed>,
+    device: &'a Device,
+    prepared: &'a PreparedScene,
+    settings: Settings,
+    /// Of the scene.
+    name: String,
+}
+
+/// What came of it.
+struct Rendered {
+    film: Film,
+    outcome: Outcome,
+    /// Whether the film file could be written at the end.
+    kept: Result<(), CliError>,
+}
+
+impl Job<'_> {
+    fn render(&self) -> Result<Rendered, CliError> {
+        let part = self.arguments.checkpoints.part;
+        let settings = settings_of_part(self.settings, part);
+        let mut keeper = self.keeper()?;
+        let mut renderer = Renderer::new(self.device, self.prepared, &settings)?;
+        if let Some(Resumed { film, .. }) = self.from {
+            renderer.restore(&film.checkpoint)?;
+            let samples = renderer.paths() as f64 / f64::from(renderer.pixels());
+            self.arguments.say(&format!("going on from {samples:.2} samples per pixel"));
+        } else if let Some(part) = part.filter(|_| is_of_one_sequence(&settings)) {
+            renderer.skip_samples(part.of(self.arguments.spp.unwrap_or_default()).start)?;
+        }
+        let mut display = ProgressDisplay::new(self.arguments.quiet);
+        let mut watch = RenderWatch { display: &mut display, keeper: keeper.as_mut() };
+        let outcome = run_watched(&mut renderer, self.budget()?, &mut watch)?;
+        display.finish();
+        // Before the features get what a picture deserves: rounds to come must not see that.
+        let kept = keeper.map_or(Ok(()), |mut keeper| {
+            keeper.write(&renderer)?;
+            self.arguments.say(&keeper.advice());
+            Ok(())
+        });
+        renderer.finish_features()?;
+        Ok(Rendered { film: renderer.film()?, outcome, kept })
+    }
+
+    /// Who keeps the film, if that was asked for.
+    fn keeper(&self) -> Result<Option<Keeper>, CliError> {
+        let CheckpointArguments { checkpoint, checkpoint_every, part } =
+            &self.arguments.checkpoints;
+        let Some(path) = checkpoint else { return Ok(None) };
+        let film = self.from.map(|from| &from.film.header);
+        let header = Kept {
+            command: self.command()?,
+            scene: self.name.clone(),
+            prepared: self.prepared,
+            settings: &self.settings,
+            device: self.device.description(),
+            part: *part,
+            merged: film.map(|film| film.merged.clone()).unwrap_or_default(),
+            seconds: self.seconds_before(),
+        }
+        .header();
+        if let Some(film) = film {
+            check_film(path, film, &header)?;
+            if film.device != header.device {
+                output::say(&format!(
+                    "warning: begun on {}: the picture will be right, but not the same to the last \
+                     bit as from one device",
+                    film.device
+                ));
+            }
+        }
+        Ok(Some(Keeper::new(path, *checkpoint_every, header)))
+    }
+
+    /// How to call the render again.
+    fn command(&self) -> Result<Command, CliError> {
+        if let Some(from) = self.from {
+            return Ok(from.command.clone());
+        }
+        let mut command = command::of_this_process()?;
+        if let Some(frame) = self.arguments.frame {
+            command::remove_option(&mut command, "--frames");
+            let seed = self.settings.seed.to_string();
+            command::set_option(&mut command, "render", "--seed", &seed);
+            for argument in &mut command.arguments {
+                *argument = frames::fill(argument, frame);
+            }
+        }
+        Ok(command)
+    }
+
+    /// Seconds that the render took before.
+    fn seconds_before(&self) -> f64 {
+        self.from.map_or(0.0, |from| from.film.header.seconds)
+    }
+
+    fn budget(&self) -> Result<Budget, CliError> {
+        let RenderArguments { time, spp, checkpoints, .. } = self.arguments;
+        let has_no_other_end = time.is_none() && self.settings.sampling.noise.is_none();
+        let samples = spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES));
+        let before = Duration::try_from_secs_f64(self.seconds_before()).unwrap_or_default();
+        let time = time.map(|time| time.saturating_sub(before));
+        let Some(part) = checkpoints.part else { return Ok(Budget { samples, time }) };
+        let of_part = part.of(samples.unwrap_or_default()).len() as u32;
+        if of_part == 0 {
+            return Err(format!(
+                "--part {part}: there are fewer samples per pixel than parts; give a larger --spp \
+                 or fewer parts"
+            )
+            .into());
+        }
+        Ok(Budget { samples: Some(of_part), time })
+    }
+
+    /// What pictures say of the render: keys and values.
+    fn picture_header(&self, film: &Film, outcome: &Outcome) -> Vec<(String, String)> {
+        let settings = &self.settings;
+        let seconds = self.seconds_before() + outcome.elapsed.as_secs_f64();
+        let mut header = vec![
+            ("scene".to_owned(), self.name.clone()),
+            ("device".to_owned(), self.device.description()),
+            ("samples".to_owned(), output::average_samples(film).to_string()),
+            ("seconds".to_owned(), format!("{seconds:.3}")),
+            ("stop".to_owned(), stop_name(outcome.stop).to_owned()),
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ];
+        if let Some(noise) = outcome.noise {
+            header.push(("estimated_error".to_owned(), noise.relative_error.to_string()));
+        }
+        header.extend(self.arguments.settings.describe(settings));
+        header.extend(describe(&settings.sampling));
+        header.extend(settings.denoise.map(|filter| ("denoise".to_owned(), filter.to_string())));
+        header.extend(self.arguments.checkpoints.part.map(|p| ("part".to_owned(), p.to_string())));
+        header
+    }
 }
 
 impl RenderArguments {
@@ -140,30 +331,49 @@ impl RenderArguments {
         }
     }
 
-    /// What pictures say of the render of the scene `name`: keys and values.
-    fn header(
-        &self,
-        name: String,
-        device: &Device,
-        settings: &Settings,
-        film: &Film,
-        outcome: &Outcome,
-    ) -> Vec<(String, String)> {
-        let mut header = vec![
-            ("scene".to_owned(), name),
-            ("device".to_owned(), device.description()),
-            ("samples".to_owned(), average_samples(outcome, film).to_string()),
-            ("seconds".to_owned(), format!("{:.3}", outcome.elapsed.as_secs_f64())),
-            ("stop".to_owned(), stop_name(outcome.stop).to_owned()),
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-        ];
-        if let Some(noise) = outcome.noise {
-            header.push(("estimated_error".to_owned(), noise.relative_error.to_string()));
+    /// The names that the number of a frame may be in.
+    fn paths(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let others = self.output.iter_mut().chain(&mut self.checkpoints.checkpoint);
+        std::iter::once(&mut self.scene).chain(others)
+    }
+
+    /// Fails where frames would overwrite each other.
+    fn check_frames(&self) -> Result<(), CliError> {
+        if self.output.is_empty() {
+            return Err(
+                "--frames: name the pictures with a place for the number of the frame, such \
+                        as -o picture.####.exr"
+                    .into(),
+            );
         }
-        header.extend(self.settings.describe(settings));
-        header.extend(describe(&settings.sampling));
-        header.extend(settings.denoise.map(|filter| ("denoise".to_owned(), filter.to_string())));
-        header
+        let mut written = self.output.iter().chain(&self.checkpoints.checkpoint);
+        match written.find(|path| !frames::has_place(path)) {
+            Some(path) => Err(format!(
+                "{}: every frame would be written there; --frames wants a place for its number, \
+                 such as ####, in the name",
+                path.display()
+            )
+            .into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Fails where a file that is to be written could not be.
+    fn check_files(&self, outputs: &[PathBuf]) -> Result<(), CliError> {
+        output::check_outputs(outputs, None)?;
+        if self.png_layers {
+            check_layers(outputs)?;
+        }
+        let Some(film) = &self.checkpoints.checkpoint else { return Ok(()) };
+        FilmFile::check_writable(film)?;
+        match outputs.iter().find(|path| is_same_file(path, film)) {
+            Some(path) => Err(format!(
+                "{}: would be written as picture and as --checkpoint; name another file",
+                path.display()
+            )
+            .into()),
+            None => Ok(()),
+        }
     }
 
     /// Where the pictures go.
@@ -172,14 +382,6 @@ impl RenderArguments {
             vec![PathBuf::from(format!("{}.png", file_stem(scene)))]
         } else {
             self.output.clone()
-        }
-    }
-
-    fn budget(&self, settings: &Settings) -> Budget {
-        let has_no_other_end = self.time.is_none() && settings.sampling.noise.is_none();
-        Budget {
-            samples: self.spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES)),
-            time: self.time,
         }
     }
 
@@ -224,23 +426,6 @@ impl RenderArguments {
     }
 }
 
-fn render_film(
-    device: &Device,
-    scene: &PreparedScene,
-    settings: &Settings,
-    budget: Budget,
-    display: &mut ProgressDisplay,
-) -> Result<(Film, Outcome), RenderError> {
-    let mut renderer = Renderer::new(device, scene, settings)?;
-    let outcome = render(&mut renderer, budget, &interrupt::is_interrupted, &mut |progress| {
-        interrupt::has_picture();
-        display.show(progress);
-    });
-    display.finish();
-    renderer.finish_features()?;
-    Ok((renderer.film()?, outcome?))
-}
-
 fn summary(outcome: &Outcome, film: &Film) -> String {
     let seconds = outcome.elapsed.as_secs_f64().max(1e-9);
     let error = outcome.noise.map_or_else(String::new, |noise| {
@@ -249,7 +434,7 @@ fn summary(outcome: &Outcome, film: &Film) -> String {
     format!(
         "{}{} samples per pixel in {seconds:.2} s: {}samples/s, {}rays/s{error}",
         if outcome.interrupted() { "interrupted after " } else { "" },
-        average_samples(outcome, film),
+        output::average_samples(film),
         rate(outcome.paths as f64 / seconds),
         rate(outcome.rays as f64 / seconds)
     )
@@ -293,11 +478,6 @@ fn stop_name(stop: Stop) -> &'static str {
         Stop::Noise => "noise",
         Stop::Interrupted => "interrupted",
     }
-}
-
-/// Samples per pixel; an average, to two digits after the point.
-fn average_samples(outcome: &Outcome, film: &Film) -> f64 {
-    (outcome.paths as f64 / film.radiance.len() as f64 * 100.0).round() / 100.0
 }
 
 /// As [`output::check_outputs`], of the layers beside the pictures.

@@ -158,7 +158,7 @@ impl EstimationArguments {
     }
 }
 
-fn parse_noise(text: &str) -> Result<f32, String> {
+pub fn parse_noise(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(noise) if (1e-5..=1.0).contains(&noise) => Ok(noise),
         _ => Err(format!("'{text}' is not a relative error between 0.00001 and 1, such as 0.02")),

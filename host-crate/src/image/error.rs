@@ -230,7 +230,7 @@ impl ImageError {
     }
 
     /// What `source`, met while reading `path`, means.
-    pub(super) fn from_read(path: &Path, source: io::Error) -> Self {
+    pub(crate) fn from_read(path: &Path, source: io::Error) -> Self {
         let path = path.to_owned();
         match source.kind() {
             io::ErrorKind::NotFound => Self::NotFound { path },

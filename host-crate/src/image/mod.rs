@@ -33,6 +33,8 @@ pub use layers::{Channel, LayeredImage, check_film};
 pub use openexr::{read_layers, read_settings, write_layers};
 pub use picture::{Picture, Values, decode_picture, read_color, read_picture};
 pub use png::{write_png, write_rgb8};
+pub(crate) use read::{open_file, read_file};
+pub(crate) use replace::{check_replaceable, replace_file_with};
 pub use replace::{check_writable, discard_unfinished, replace_file, written_file};
 pub use tone::{Display, ToneMap};
 

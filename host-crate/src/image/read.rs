@@ -1,10 +1,11 @@
-//! Files, read whole.
+//! Files, opened and read whole.
 
 use super::ImageError;
+use std::fs::File;
 use std::path::Path;
 
-/// The bytes of an ordinary file.
-pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
+/// An ordinary file.
+pub(crate) fn open_file(path: &Path) -> Result<File, ImageError> {
     let metadata = std::fs::metadata(path).map_err(|e| ImageError::from_read(path, e))?;
     if metadata.is_dir() {
         return Err(ImageError::IsFolder { path: path.to_owned() });
@@ -12,5 +13,11 @@ pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
     if !metadata.is_file() {
         return Err(ImageError::NotAFile { path: path.to_owned() });
     }
+    File::open(path).map_err(|e| ImageError::from_read(path, e))
+}
+
+/// The bytes of an ordinary file.
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
+    open_file(path)?;
     std::fs::read(path).map_err(|e| ImageError::from_read(path, e))
 }

@@ -15,6 +15,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// The [`ImageError`] that writing would give.
 pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     Format::of(path)?;
+    check_replaceable(path)
+}
+
+/// As [`check_writable`], for files of any kind.
+pub(crate) fn check_replaceable(path: &Path) -> Result<(), ImageError> {
     let target = Target::of(path)?;
     // What permissions mean (owners, access lists, read-only mounts) only the system knows: ask it.
     tempfile::tempfile_in(&target.folder)
@@ -29,7 +34,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
 }
 
 /// As [`replace_file`], with the contents that `write` puts into the file.
-fn replace_file_with(
+pub(crate) fn replace_file_with(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> Result<(), ImageError> {

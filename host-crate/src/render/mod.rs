@@ -5,6 +5,7 @@
 //! (samples, time, interruption).
 
 pub mod allocator;
+mod checkpoint;
 mod error;
 pub mod estimator;
 pub mod film;
@@ -17,10 +18,11 @@ pub mod scene;
 pub mod settings;
 mod timings;
 
+pub use checkpoint::{Checkpoint, RenderProgress};
 pub use error::RenderError;
 pub use film::FilmBuffers;
 pub use renderer::{Batch, Renderer, Round};
-pub use run::{Budget, Outcome, Progress, Stop, run};
+pub use run::{Budget, Outcome, Progress, Stop, Watch, run, run_watched};
 pub use scene::PreparedScene;
 pub use scene::bvh::BvhQuality;
 pub use settings::estimation::{EstimationSettings, Estimator, FilterSettings};

@@ -1,7 +1,7 @@
 //! A render on one device, and its rounds: what it owns, what it can be asked, and how a round goes
 //! from batch to batch.
 
-use super::allocator::{Allocation, Allocator as _, RoundBuffers, Stream, Streams};
+use super::allocator::{Allocation, Allocator as _, RoundBuffers, Stream, Streams, Windows};
 use super::estimator::{Estimation, FilmSamples, Noise};
 use super::film::control::ControlFilm;
 use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
@@ -29,18 +29,22 @@ use std::time::Instant;
 /// It owns the device: a clone of a [`Device`], which is cheap, or a reference to any other
 /// executor.
 pub struct Renderer<E: Executor = Device> {
-    state: DeviceState<E>,
-    estimation: Estimation<E::Buffer>,
+    pub(super) state: DeviceState<E>,
+    pub(super) estimation: Estimation<E::Buffer>,
     batch: BatchSize,
-    done: Done,
+    pub(super) done: Done,
     seed: u32,
-    sampling: Sampling,
+    pub(super) sampling: Sampling,
     allocation: Allocation<E>,
     /// None where no half of the samples is one.
     control: Option<ControlFilm<E::Buffer>>,
     /// None where the picture is not to be filtered.
     reconstruction: Option<Reconstruction<E::Buffer>>,
     ray_counts: Array<E::Buffer, u32>,
+    /// What is left of a round of independent samples that was dropped before its end.
+    pub(super) rest: Windows,
+    /// See [`Self::skip_samples`].
+    pub(super) skipped: u32,
     /// See [`Self::convergence`].
     convergence: f64,
 }
@@ -90,6 +94,8 @@ impl<E: Executor> Renderer<E> {
             control: control.transpose()?,
             reconstruction: reconstruction(&executor, settings)?,
             ray_counts: Array::zeroed(&executor, "ray counts", COUNTERS as usize)?,
+            rest: Windows::default(),
+            skipped: 0,
             convergence: 0.0,
             state: DeviceState {
                 executor,
@@ -120,8 +126,12 @@ impl<E: Executor> Renderer<E> {
     }
 
     /// Begins the round that [`Self::step`] would render, for who wants to look at it between its
-    /// batches.
+    /// batches. Where one of independent samples was dropped before its end, goes on with that.
     pub fn next_round(&mut self, paths_left: u64) -> Result<Round<'_, E>, ExecError> {
+        let rest = std::mem::take(&mut self.rest);
+        if (1..=paths_left).contains(&rest.slots(self.pixels())) {
+            return Ok(Round::of_rest(self, rest));
+        }
         let plan = plan(&self.sampling, &self.limits(), self.done, paths_left);
         let timings = if plan.adaptive > 0 {
             let samples = self.film_samples();
@@ -173,10 +183,10 @@ impl<E: Executor> Renderer<E> {
             return Ok(noise);
         };
         self.reconstruct(reconstruction)?;
-        self.estimation.noise_of(&self.state.executor, reconstruction.guarded()).map(|left| {
-            // Whether pixels want samples is said by what the allocator goes by.
-            left.map(|left| Noise { unconverged: noise.unconverged, ..left })
-        })
+        let guarded = reconstruction.guarded();
+        let left = self.estimation.noise_of(&self.state.executor, guarded, &noise)?;
+        // Whether pixels want samples is said by what the allocator goes by.
+        Ok(left.map(|left| Noise { unconverged: noise.unconverged, ..left }))
     }
 
     /// Filters the picture so far. Returns where the time went.
@@ -202,6 +212,8 @@ impl<E: Executor> Renderer<E> {
         if self.done.paths < u64::from(self.sampling.initial_samples) * u64::from(self.pixels()) {
             return Ok(false);
         }
+        let samples = self.film_samples();
+        self.estimation.measure_mean_radiance(&self.state, samples)?;
         let Some(noise) = self.noise()? else { return Ok(false) };
         // Where no light has been found yet, pixels must have looked for it long enough.
         if noise.mean_radiance == 0.0 {
@@ -241,16 +253,14 @@ impl<E: Executor> Renderer<E> {
         self.estimation.finish_features(&self.state, samples)
     }
 
-    /// Copies the film to the host, with the features [so far](Self::finish_features) and, where
-    /// there are such, with estimates of its errors, with the corrections by the control film and
-    /// with what light tracing found. Errors are those of the samples alone.
-    pub fn film(&mut self) -> Result<Film, ExecError> {
+    /// [`Self::film`] of what is in the film on the device, skipped samples included.
+    pub(super) fn film_on_device(&mut self) -> Result<Film, ExecError> {
         let samples = self.film_samples();
         self.estimation.run_update(&self.state, samples)?;
         self.resolve()?;
         let DeviceState { executor, film, integrator, .. } = &self.state;
         let mut film = film.read(executor)?;
-        film.splats = integrator.splats(executor)?;
+        film.splats = integrator.splats(executor)?.map(|sums| sums.mean());
         film.estimates = self.estimation.read(executor)?;
         let control = self.control.as_ref();
         film.corrections = control.map(|control| control.read(executor)).transpose()?;
@@ -289,7 +299,8 @@ fn reconstruction<E: Executor>(
 
 /// A round under way: the caller takes it from batch to batch, and may look at the clock or tell
 /// of progress in between. A round that is dropped before its end leaves out the samples of the
-/// streams that it has not come to the end of.
+/// streams that it has not come to the end of; if samples are independent and all pixels get as
+/// many, the next round goes on with them.
 #[must_use = "a round traces nothing until its batches are taken"]
 pub struct Round<'r, E: Executor> {
     renderer: &'r mut Renderer<E>,
@@ -322,6 +333,15 @@ impl<'r, E: Executor> Round<'r, E> {
         let streams = Streams::new(&state.film, plan.uniform, plan.adaptive, largest);
         renderer.done.rounds += 1;
         renderer.done.uniform += plan.uniform;
+        renderer.rest = Windows::default();
+        Self { renderer, plan, streams, stream: None, next: 0, is_new: true, timings }
+    }
+
+    /// Goes on with what is left of a round.
+    fn of_rest(renderer: &'r mut Renderer<E>, rest: Windows) -> Self {
+        let number = renderer.done.rounds.saturating_sub(1);
+        let plan = RoundPlan { number, uniform: rest.samples(), adaptive: 0 };
+        let (streams, timings) = (Streams::of_rest(rest), Timings::default());
         Self { renderer, plan, streams, stream: None, next: 0, is_new: true, timings }
     }
 
@@ -358,6 +378,9 @@ impl<'r, E: Executor> Round<'r, E> {
         if is_last {
             self.stream = None;
             self.next = 0;
+            if self.has_independent_samples() {
+                self.renderer.rest = self.streams.rest();
+            }
         }
         self.timings += timings;
         Ok(Some(Batch { paths, timings }))
@@ -399,6 +422,21 @@ impl<'r, E: Executor> Round<'r, E> {
     /// Whether all that has been traced is in the film: dropped now, the round loses nothing.
     pub fn is_in_film(&self) -> bool {
         self.stream.is_none()
+    }
+
+    /// Who renders it.
+    pub fn renderer(&self) -> &Renderer<E> {
+        self.renderer
+    }
+
+    /// Whether nothing is lost and nothing changes if the round is dropped now and another renderer
+    /// goes on from a [`Checkpoint`](super::Checkpoint).
+    pub fn can_be_kept(&self) -> bool {
+        self.is_in_film() && self.has_independent_samples()
+    }
+
+    fn has_independent_samples(&self) -> bool {
+        !self.is_adaptive() && self.renderer.samples_that_share().is_none()
     }
 
     fn is_adaptive(&self) -> bool {

@@ -33,8 +33,10 @@ impl Budget {
 /// How far a render is.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
-    /// Paths traced.
+    /// Paths traced, those of earlier runs included.
     pub paths: u64,
+    /// Those of earlier runs.
+    pub paths_before: u64,
     /// Paths that the budget's samples make, if it has any.
     pub total_paths: Option<u64>,
     /// Rays traced, estimated from a count of at most about a second ago; 0 before the first.
@@ -46,12 +48,6 @@ pub struct Progress {
     /// How far the picture is on its way to the noise that was asked for, from 0 to 1; 0 where none
     /// was.
     pub convergence: f64,
-}
-
-impl Progress {
-    fn start(total_paths: Option<u64>, time: Option<Duration>) -> Self {
-        Self { paths: 0, total_paths, rays: 0, elapsed: Duration::ZERO, time, convergence: 0.0 }
-    }
 }
 
 /// How a render ended.
@@ -94,90 +90,194 @@ pub enum Stop {
 /// How often rays are counted.
 const RAY_COUNT_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Renders rounds until `budget` is spent, the picture [has converged](Renderer::has_converged) or
-/// `interrupted` says so (asked whenever nothing would be lost). `observe` is told of every batch.
+/// Who watches a render, and may end it.
+pub trait Watch<E: Executor> {
+    /// Whether the render should end; asked whenever nothing would be lost.
+    fn is_interrupted(&self) -> bool {
+        false
+    }
+
+    /// Whether the render may only end where a [`Checkpoint`](super::Checkpoint) holds all of it. A
+    /// stop may then come a round late.
+    fn keeps_checkpoints(&self) -> bool {
+        false
+    }
+
+    /// Told of every batch.
+    fn batch_ended(&mut self, _: &Progress) {}
+
+    /// Told wherever a checkpoint may be taken.
+    ///
+    /// # Errors
+    /// What ends the render.
+    fn may_checkpoint(&mut self, _: &Renderer<E>) -> Result<(), RenderError> {
+        Ok(())
+    }
+}
+
+/// Who is told of progress and asked for interruptions, and no more.
+struct Closures<'a> {
+    interrupted: &'a dyn Fn() -> bool,
+    observe: &'a mut dyn FnMut(&Progress),
+}
+
+impl<E: Executor> Watch<E> for Closures<'_> {
+    fn is_interrupted(&self) -> bool {
+        (self.interrupted)()
+    }
+
+    fn batch_ended(&mut self, progress: &Progress) {
+        (self.observe)(progress);
+    }
+}
+
+/// As [`run_watched`]: `interrupted` is asked whether the render should end, `observe` is told of
+/// every batch.
 ///
-/// A picture that time or an interruption ends within the first round has pixels without samples.
-///
-/// With neither samples nor time nor a noise to reach the render goes on until it is interrupted.
+/// # Errors
+/// If the device fails.
 pub fn run<E: Executor>(
     renderer: &mut Renderer<E>,
     budget: Budget,
     interrupted: &dyn Fn() -> bool,
     observe: &mut dyn FnMut(&Progress),
 ) -> Result<Outcome, RenderError> {
-    let start = Instant::now();
-    let pixels = u64::from(renderer.pixels());
-    let total_paths = budget.samples.map(|samples| u64::from(samples) * pixels);
-    let mut progress = Progress::start(total_paths, budget.time);
-    let mut timings = Timings::default();
-    let mut last_count = start;
-    let mut rays_per_path = 0.0;
-    let paths_before = renderer.paths();
-    let is_late = || budget.time.is_some_and(|time| start.elapsed() >= time);
+    run_watched(renderer, budget, &mut Closures { interrupted, observe })
+}
+
+/// Renders rounds until `budget` is spent, the picture [has converged](Renderer::has_converged) or
+/// `watch` says so.
+///
+/// A picture that time or an interruption ends within the first round has pixels without samples.
+///
+/// With neither samples nor time nor a noise to reach the render goes on until it is interrupted.
+///
+/// # Errors
+/// If the device fails, or by `watch`.
+pub fn run_watched<E: Executor>(
+    renderer: &mut Renderer<E>,
+    budget: Budget,
+    watch: &mut dyn Watch<E>,
+) -> Result<Outcome, RenderError> {
+    let mut clock = Clock::start(renderer, budget);
     let stop = loop {
-        let paths = renderer.paths() - paths_before;
-        let left = total_paths.map_or(u64::MAX, |total| total - paths);
+        let paths = renderer.paths() - clock.paths_before;
+        let left =
+            clock.total_paths.map_or(u64::MAX, |total| total.saturating_sub(renderer.paths()));
         if left == 0 {
             break Stop::Samples;
         }
-        if paths > 0 && is_late() {
+        if paths > 0 && clock.is_late() {
             break Stop::Time;
         }
         if renderer.has_converged()? {
             break Stop::Noise;
         }
-        progress.convergence = renderer.convergence();
+        clock.progress.convergence = renderer.convergence();
         // Without a single sample there is nothing to write.
-        if paths > 0 && interrupted() {
+        if renderer.paths() > 0 && watch.is_interrupted() {
             break Stop::Interrupted;
         }
-        let left = left.min(affordable(budget.time, paths, start.elapsed()));
+        let left = left.min(affordable(budget.time, paths, clock.start.elapsed()));
         let mut round = renderer.next_round(left)?;
-        let stop = trace(&mut round, paths > 0, &is_late, interrupted, &mut |batch| {
-            progress.paths += u64::from(batch);
-            progress.elapsed = start.elapsed();
-            progress.rays = (progress.paths as f64 * rays_per_path) as u64;
-            observe(&progress);
-        })?;
-        timings += round.timings();
+        let stop = clock.trace(&mut round, paths > 0, watch)?;
+        clock.timings += round.timings();
         if let Some(stop) = stop {
             break stop;
         }
-        if last_count.elapsed() >= RAY_COUNT_INTERVAL || rays_per_path == 0.0 {
-            rays_per_path = renderer.rays()? as f64 / renderer.paths() as f64;
-            last_count = Instant::now();
-        }
+        watch.may_checkpoint(renderer)?;
+        clock.count_rays(renderer)?;
     };
     Ok(Outcome {
-        elapsed: start.elapsed(),
-        paths: renderer.paths() - paths_before,
+        elapsed: clock.start.elapsed(),
+        paths: renderer.paths() - clock.paths_before,
         rays: renderer.rays()?,
         noise: renderer.noise()?,
-        timings,
+        timings: clock.timings,
         stop,
     })
 }
 
-/// Traces a round to its end, or until it `is_late` and there are samples, or `interrupted` says so
-/// and nothing would be lost: then what ended it. `observe` is told of the paths of every batch.
-fn trace<E: Executor>(
-    round: &mut Round<'_, E>,
-    has_samples: bool,
-    is_late: &dyn Fn() -> bool,
-    interrupted: &dyn Fn() -> bool,
-    observe: &mut dyn FnMut(u32),
-) -> Result<Option<Stop>, RenderError> {
-    while let Some(batch) = round.next_batch()? {
-        observe(batch.paths);
-        if (has_samples || round.is_in_film()) && is_late() {
-            return Ok(Some(Stop::Time));
-        }
-        if round.is_in_film() && interrupted() {
-            return Ok(Some(Stop::Interrupted));
+/// When a run began, and how far it is.
+struct Clock {
+    start: Instant,
+    time: Option<Duration>,
+    paths_before: u64,
+    total_paths: Option<u64>,
+    progress: Progress,
+    timings: Timings,
+    last_count: Instant,
+    rays_per_path: f64,
+}
+
+impl Clock {
+    fn start<E: Executor>(renderer: &Renderer<E>, budget: Budget) -> Self {
+        let (start, paths_before) = (Instant::now(), renderer.paths());
+        let pixels = u64::from(renderer.pixels());
+        let total_paths = budget.samples.map(|samples| u64::from(samples) * pixels);
+        let progress = Progress {
+            paths: paths_before,
+            paths_before,
+            total_paths,
+            rays: 0,
+            elapsed: Duration::ZERO,
+            time: budget.time,
+            convergence: 0.0,
+        };
+        Self {
+            start,
+            time: budget.time,
+            paths_before,
+            total_paths,
+            progress,
+            timings: Timings::default(),
+            last_count: start,
+            rays_per_path: 0.0,
         }
     }
-    Ok(None)
+
+    fn is_late(&self) -> bool {
+        self.time.is_some_and(|time| self.start.elapsed() >= time)
+    }
+
+    /// Traces a round to its end, or until it is late and there are samples, or `watch` has it end
+    /// where nothing would be lost: then what ended it.
+    fn trace<E: Executor>(
+        &mut self,
+        round: &mut Round<'_, E>,
+        has_samples: bool,
+        watch: &mut dyn Watch<E>,
+    ) -> Result<Option<Stop>, RenderError> {
+        while let Some(batch) = round.next_batch()? {
+            self.progress.paths += u64::from(batch.paths);
+            self.progress.elapsed = self.start.elapsed();
+            let traced = self.progress.paths - self.paths_before;
+            self.progress.rays = (traced as f64 * self.rays_per_path) as u64;
+            watch.batch_ended(&self.progress);
+            let keeps = watch.keeps_checkpoints();
+            if round.can_be_kept() {
+                watch.may_checkpoint(round.renderer())?;
+            } else if keeps {
+                continue;
+            }
+            if (round.is_in_film() || has_samples && !keeps) && self.is_late() {
+                return Ok(Some(Stop::Time));
+            }
+            if round.is_in_film() && watch.is_interrupted() {
+                return Ok(Some(Stop::Interrupted));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Counts the rays now and then.
+    fn count_rays<E: Executor>(&mut self, renderer: &Renderer<E>) -> Result<(), RenderError> {
+        if self.last_count.elapsed() >= RAY_COUNT_INTERVAL || self.rays_per_path == 0.0 {
+            self.rays_per_path = renderer.rays()? as f64 / renderer.paths() as f64;
+            self.last_count = Instant::now();
+        }
+        Ok(())
+    }
 }
 
 /// Paths that fit into the time that is left, by the `paths` that have taken `elapsed`: at least

@@ -3,6 +3,7 @@
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "what fails is a test")]
 
 mod adaptive;
+mod checkpoints;
 mod commands;
 mod comparing;
 mod convergence;

@@ -14,7 +14,9 @@ mod run_table;
 pub mod runs;
 pub mod uniform;
 
-use self::uniform::{Uniform, Windows};
+pub use self::uniform::Windows;
+
+use self::uniform::Uniform;
 use super::film::FilmBuffers;
 use super::settings::sampling::{AllocatorKind, Split};
 use crate::exec::{Array, ExecError, Executor, Launch};
@@ -181,6 +183,16 @@ impl Streams {
             let slots = adaptive.min(u64::from(largest)) as u32;
             Self { windows: Windows::new(uniform), last: last(0, slots) }
         }
+    }
+
+    /// What is left of a round without an adaptive part.
+    pub fn of_rest(rest: Windows) -> Self {
+        Self { windows: rest, last: None }
+    }
+
+    /// What is left of the windows.
+    pub fn rest(&self) -> Windows {
+        self.windows.rest()
     }
 
     /// The next stream; if it is a window, of at most `largest` slots.

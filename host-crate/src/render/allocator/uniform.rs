@@ -6,6 +6,7 @@ use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::render::film::{Band, FilmBuffers, WINDOW_ALIGNMENT};
 use bytemuck::Zeroable;
 use raystream_shaders::film::stream::RunWindow;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Every pixel equally.
@@ -44,8 +45,9 @@ impl<B> Uniform<B> {
 const LONGEST_RUN: u32 = 1 << 16;
 
 /// What is left of a uniform round: streams are made of it one by one, each no longer than is
-/// wanted by then.
-#[derive(Clone, Debug)]
+/// wanted by then. By default nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct Windows {
     /// Samples of each pixel that are left, those of the pass under way included.
     samples: u32,
@@ -59,6 +61,22 @@ impl Windows {
     /// A round that gives every pixel `samples` samples.
     pub fn new(samples: u32) -> Self {
         Self { samples, pass: 0, next: 0 }
+    }
+
+    /// Samples of each pixel that are left, those of the pass under way included.
+    pub fn samples(self) -> u32 {
+        self.samples
+    }
+
+    /// What is left, in the same words wherever nothing is.
+    pub fn rest(self) -> Self {
+        if self.samples == 0 { Self::default() } else { self }
+    }
+
+    /// Slots that are left, for a film of `pixels` pixels.
+    pub fn slots(self, pixels: u32) -> u64 {
+        let all = u64::from(self.samples) * u64::from(pixels);
+        all - u64::from(self.pass.min(self.samples)) * u64::from(self.next)
     }
 
     /// The next window of pixels whose slots are at most `largest`; where even the smallest

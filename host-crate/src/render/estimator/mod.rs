@@ -141,36 +141,61 @@ impl<B> Estimation<B> {
         Ok(timings)
     }
 
-    /// The noise of the film; none where errors are not estimated.
+    /// The noise of the film; none where errors are not estimated. Relative to the mean radiance
+    /// that has been measured or else, which nothing to come shall see, to the film's own.
     pub fn noise<E: Executor<Buffer = B>>(
         &mut self,
         state: &DeviceState<E>,
         samples: FilmSamples,
     ) -> Result<Option<Noise>, ExecError> {
+        let measured = self.mean_radiance;
         self.measure_mean_radiance(state, samples)?;
         self.run_update(state, samples)?;
-        let (Some(buffers), Some(mean_radiance)) = (&self.buffers, self.mean_radiance) else {
-            return Ok(None);
+        let noise = match (&self.buffers, self.mean_radiance) {
+            (Some(buffers), Some(mean)) => Some(buffers.noise(&state.executor, mean)?),
+            _ => None,
         };
-        buffers.noise(&state.executor, mean_radiance).map(Some)
+        if self.mean_radiance != measured {
+            self.mean_radiance = measured;
+            self.is_current = false;
+        }
+        Ok(noise)
     }
 
-    /// The noise of another picture of the film, whose errors are estimated in rank order; none
-    /// where no mean radiance has been measured.
+    /// The noise of another picture of the film, whose errors are estimated in rank order, relative
+    /// to what `noise` is relative to, that of the film; none where errors are not estimated.
     pub fn noise_of<E: Executor<Buffer = B>>(
         &self,
         executor: &E,
         picture: &Array<B, Estimate>,
+        noise: &Noise,
     ) -> Result<Option<Noise>, ExecError> {
-        let (Some(buffers), Some(mean_radiance)) = (&self.buffers, self.mean_radiance) else {
-            return Ok(None);
-        };
-        buffers.noise_of(executor, picture, mean_radiance).map(Some)
+        let mean_radiance = self.mean_radiance.unwrap_or(noise.mean_radiance as f32);
+        let buffers = self.buffers.as_ref();
+        buffers.map(|buffers| buffers.noise_of(executor, picture, mean_radiance)).transpose()
     }
 
     /// Mean radiance of the picture as the first round saw it; 0 where it has not been measured.
     pub fn mean_radiance(&self) -> f32 {
         self.mean_radiance.unwrap_or(0.0)
+    }
+
+    /// The same, where it has been measured.
+    pub fn measured_mean_radiance(&self) -> Option<f32> {
+        self.mean_radiance
+    }
+
+    /// Camera rays that each pixel's features have.
+    pub fn feature_samples(&self) -> u32 {
+        self.feature_samples
+    }
+
+    /// Goes on with features of as many camera rays, and with a mean radiance that was measured
+    /// before.
+    pub fn restore(&mut self, feature_samples: u32, mean_radiance: Option<f32>) {
+        self.feature_samples = feature_samples;
+        self.mean_radiance = mean_radiance;
+        self.is_current = false;
     }
 
     /// Brings the features of every pixel to as many camera rays as a picture of its samples

@@ -69,14 +69,30 @@ impl<B> FilmBuffers<B> {
     ) -> Result<Self, ExecError> {
         let size = FilmSize { width: film.width, height: film.height };
         let buffers = Self::new(executor, size)?;
-        for band in &buffers.bands {
-            let rows = band.ranks().map(|rank| row_place(size, rank as u32));
+        buffers.write(executor, &film.radiance, &film.features)?;
+        Ok(buffers)
+    }
+
+    /// Makes it what it was when the host got these copies, in rows.
+    pub fn write<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        radiance: &[FilmPixel],
+        features: &[FeaturePixel],
+    ) -> Result<(), ExecError> {
+        for band in &self.bands {
+            let rows = band.ranks().map(|rank| row_place(self.size, rank as u32));
             let (radiance, features): (Vec<_>, Vec<_>) =
-                rows.map(|p| (film.radiance[p], film.features[p])).unzip();
+                rows.map(|p| (radiance[p], features[p])).unzip();
             band.film.write(executor, &radiance)?;
             band.features.write(executor, &features)?;
         }
-        Ok(buffers)
+        Ok(())
+    }
+
+    /// Its size in pixels.
+    pub fn size(&self) -> FilmSize {
+        self.size
     }
 
     /// The pieces.

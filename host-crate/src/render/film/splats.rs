@@ -51,16 +51,37 @@ impl<B> SplatFilm<B> {
         kernels::add_splats(&parameters, splats, self.words.view())
     }
 
-    /// The words, for tests of their exactness.
-    pub fn words<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<u32>, ExecError> {
-        self.words.read(executor)
+    /// Copies the sums to the host.
+    pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<SplatSums, ExecError> {
+        let (unit_exponent, light_paths) = (self.unit_exponent, self.light_paths);
+        Ok(SplatSums { words: self.words.read(executor)?, unit_exponent, light_paths })
     }
 
-    /// Copies the mean over all light paths so far to the host, in rows; black before the first
-    /// round.
-    pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<Vec3>, ExecError> {
-        let words = self.words(executor)?;
-        let (header, pixels) = words.split_at(HEADER_WORDS as usize);
+    /// Makes it what it was when the host got these sums, which are of as many pixels.
+    pub fn write<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        sums: &SplatSums,
+    ) -> Result<(), ExecError> {
+        self.words.write(executor, &sums.words)
+    }
+}
+
+/// What light tracing has found: exact sums, whatever order they were added in.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SplatSums {
+    /// The words, see [`raystream_shaders::film::splats`].
+    pub words: Vec<u32>,
+    /// The unit is 2 to this power.
+    pub unit_exponent: i32,
+    /// Light paths of each round.
+    pub light_paths: u32,
+}
+
+impl SplatSums {
+    /// The mean over all light paths so far, in rows: linear Rec.709; black before the first round.
+    pub fn mean(&self) -> Vec<Vec3> {
+        let (header, pixels) = self.words.split_at(HEADER_WORDS as usize);
         if header[CUT_OFF as usize] > 0 {
             let count = header[CUT_OFF as usize];
             tracing::warn!("light tracing: {count} components were cut off at 2^40 of a lamp's");
@@ -76,6 +97,6 @@ impl<B> SplatFilm<B> {
                 [0, 1, 2].map(|c| component(&words[c * COMPONENT_WORDS as usize..]));
             DVec3::new(red, green, blue).as_vec3()
         };
-        Ok(pixels.chunks_exact(PIXEL_WORDS as usize).map(pixel).collect())
+        pixels.chunks_exact(PIXEL_WORDS as usize).map(pixel).collect()
     }
 }

@@ -27,10 +27,10 @@ use super::lvc_numbers::{
 };
 use super::{Integrator, IntegratorContext, StreamBuffers};
 use crate::exec::{Array, ExecError, Executor, Launch, halve_until_it_fits, kernels};
-use crate::render::film::splats::SplatFilm;
+use crate::render::film::splats::{SplatFilm, SplatSums};
 use crate::render::settings::light_cache::TechniqueShares;
 use bytemuck::Zeroable;
-use glam::{UVec4, Vec3};
+use glam::UVec4;
 use raystream_shaders::integrator::lvc::LvcParams;
 use raystream_shaders::integrator::lvc::cache::{GatherParams, HEADER_ROWS};
 use raystream_shaders::parallel::prefix::BlockParams;
@@ -213,6 +213,10 @@ impl<E: Executor> Integrator<E> for Lvc<E::Buffer> {
         )]
     }
 
+    fn restore(&self, executor: &E, splats: &SplatSums) -> Result<(), ExecError> {
+        self.splats.as_ref().map_or(Ok(()), |film| film.write(executor, splats))
+    }
+
     fn slots_of_round(&self) -> u64 {
         if self.light_paths == 0 {
             u64::MAX
@@ -221,7 +225,7 @@ impl<E: Executor> Integrator<E> for Lvc<E::Buffer> {
         }
     }
 
-    fn splats(&self, executor: &E) -> Result<Option<Vec<Vec3>>, ExecError> {
+    fn splats(&self, executor: &E) -> Result<Option<SplatSums>, ExecError> {
         self.splats.as_ref().map(|splats| splats.read(executor)).transpose()
     }
 }

@@ -19,9 +19,9 @@ mod passes;
 pub mod regeneration;
 pub mod wavefront;
 
+use super::film::splats::SplatSums;
 use super::settings::{IntegratorKind, Settings};
 use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers};
-use glam::Vec3;
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::integrator::params::PathParams;
@@ -62,12 +62,16 @@ pub trait Integrator<E: Executor>: Send + Sync {
         Ok(Vec::new())
     }
 
-    /// Copies to the host what the rounds so far have found without slots, in rows: mean radiance
-    /// to be added to that of each pixel's samples, see
-    /// [`Film::splats`](crate::film::Film::splats). None where all that is found is in
-    /// contributions.
-    fn splats(&self, _executor: &E) -> Result<Option<Vec<Vec3>>, ExecError> {
+    /// Copies to the host what the rounds so far have found without slots, to be added to the
+    /// samples of each pixel, see [`Film::splats`](crate::film::Film::splats). None where all that
+    /// is found is in contributions.
+    fn splats(&self, _executor: &E) -> Result<Option<SplatSums>, ExecError> {
         Ok(None)
+    }
+
+    /// Goes on from sums that an integrator of the same scene and settings has given.
+    fn restore(&self, _executor: &E, _splats: &SplatSums) -> Result<(), ExecError> {
+        Ok(())
     }
 
     /// Slots that should share what one [`begin_round`](Self::begin_round) makes, at most; a round

@@ -1,0 +1,48 @@
+//! `raystream merge`
+
+use super::command;
+use super::ending::{CliError, Ending};
+use super::output::{self, is_same_file};
+use clap::Args;
+use raystream::film_file::{self, FilmFile};
+use std::path::PathBuf;
+
+/// The options of `raystream merge`.
+#[derive(Args)]
+pub struct MergeArguments {
+    /// Film files of parts of one render, in any order; some may be missing.
+    #[arg(required = true)]
+    films: Vec<PathBuf>,
+    /// Where to write the film of all: `raystream picture` makes a picture of it.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Say nothing but warnings and errors.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Adds up films of parts.
+pub fn run(arguments: &MergeArguments) -> Result<Ending, CliError> {
+    let output = &arguments.output;
+    FilmFile::check_writable(output)?;
+    if arguments.films.iter().any(|film| is_same_file(film, output)) {
+        let path = output.display();
+        return Err(format!("{path}: -o would replace a part; name another file").into());
+    }
+    let mut film = film_file::merge(&arguments.films)?;
+    // The sum of all parts is none.
+    command::remove_option(&mut film.header.command, "--part");
+    film.write(output)?;
+    if let Some((parts, count)) = film.header.parts()
+        && parts < count as usize
+    {
+        output::say(&format!(
+            "warning: {} of {count} parts are missing: the picture is as good as its samples",
+            count as usize - parts
+        ));
+    }
+    if !arguments.quiet {
+        output::say(&format!("wrote {}", output.display()));
+    }
+    Ok(Ending::Done)
+}
