@@ -34,7 +34,8 @@
 //!
 //! From a scene file to a picture: [`scene`] loads, [`exec`] runs kernels on a device,
 //! [`render`](mod@render) is the loop that fills the [`film`], [`image`] writes it, [`denoise`]
-//! filters what was written, [`film_file`] keeps a render for later. The kernels themselves are the crate [`raystream_shaders`].
+//! filters what was written, [`film_file`] keeps a render for later. The kernels themselves are the
+//! crate [`raystream_shaders`].
 
 pub mod color;
 pub mod denoise;

@@ -155,7 +155,7 @@ macro_rules! for_each_kernel {
                 uniform parameters: $crate::film::stream::RunWindow,
                 read starts: u32,
                 read contributions: $crate::glam::UVec4,
-                write film: $crate::film::FilmPixel,
+                scatter film: $crate::glam::UVec4,
             }
             /// Traces camera rays for the features that pixels lack.
             first_hits[128] = $crate::integrator::first_hits::first_hits {

@@ -4,6 +4,7 @@ use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor, kernels};
 use raystream::scene::{Camera, FilmSize, QuadLight, Scene};
+use raystream_shaders::film::accumulate::LANES_PER_PIXEL;
 use raystream_shaders::film::stream::{BY_TURNS, RunWindow};
 use raystream_shaders::film::{Contribution, FilmPixel};
 use raystream_shaders::math::random::{hash, unit_float};
@@ -16,7 +17,7 @@ const PIXELS: u32 = 64;
 fn accumulated<E: Executor>(executor: &E, run: &[Contribution], times: u32) -> Vec<FilmPixel> {
     let samples = run.len() as u32 / PIXELS;
     let window = RunWindow {
-        threads: PIXELS,
+        threads: LANES_PER_PIXEL * PIXELS,
         first_rank: 0,
         pixels: PIXELS,
         samples,
@@ -29,7 +30,7 @@ fn accumulated<E: Executor>(executor: &E, run: &[Contribution], times: u32) -> V
     let contributions = Array::from_slice(executor, "contributions", run).unwrap();
     let film = Array::zeroed(executor, "film", PIXELS as usize).unwrap();
     for _ in 0..times {
-        let (from, to) = (contributions.view().cast(), film.view());
+        let (from, to) = (contributions.view().cast(), film.view().cast());
         executor.run(&[kernels::accumulate_runs(&window, starts.view(), from, to)]).unwrap();
     }
     film.read(executor).unwrap()

@@ -2,6 +2,7 @@
 //! over many renders with seeds of their own.
 
 use super::BenchError;
+use super::calibration::Calibration;
 use super::convergence::{gray, render_timed, squared_errors, variance};
 use glam::Vec3;
 use raystream::exec::Executor;
@@ -80,6 +81,8 @@ pub struct Bias {
     pub plain_rmse: f64,
     /// Seconds of a render.
     pub seconds: f64,
+    /// How near the estimates of pixels' errors are to their errors.
+    pub calibration: Calibration,
     /// All blocks, the one that is the most standard errors off first.
     pub blocks: Vec<BlockBias>,
 }
@@ -147,6 +150,7 @@ pub fn measure<E: Executor>(
         .iter()
         .map(|&samples| {
             let (mut pictures, mut plain) = (Statistics::new(), Vec::new());
+            let mut calibration = Calibration::default();
             let (mut squares, mut plain_squares, mut seconds) = (0.0, 0.0, 0.0);
             for seed in 0..options.renders {
                 let settings = Settings { seed: settings.seed.wrapping_add(seed), ..*settings };
@@ -156,6 +160,7 @@ pub fn measure<E: Executor>(
                 plain_squares += mean_square(&plain_color, &truth.mean);
                 seconds += time.as_secs_f64();
                 pictures.add(&color, settings.size);
+                calibration.add(&film, &truth.mean);
                 plain.push(gray_mean(&plain_color));
             }
             let mut blocks = block_biases(&pictures, &truth, settings);
@@ -168,6 +173,7 @@ pub fn measure<E: Executor>(
                 seconds: seconds / renders,
                 whole: Estimate::of(&pictures.whole).minus(whole).over(whole.mean),
                 plain: Estimate::of(&plain).minus(whole).over(whole.mean),
+                calibration,
                 blocks,
             })
         })

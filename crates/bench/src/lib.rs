@@ -1,9 +1,10 @@
 //! Measurements: traversal ([`rays`]), whole paths ([`paths`]), integrators side by side
 //! ([`integrators`]), what adaptive sampling or another integrator gains ([`convergence`]) and
-//! whether its pictures are right on average ([`bias`]). Each checks its own result before it gives
-//! a figure.
+//! whether its pictures are right on average ([`bias`]) and know their errors ([`calibration`]). Each
+//! checks its own result before it gives a figure.
 
 pub mod bias;
+pub mod calibration;
 pub mod convergence;
 mod files;
 pub mod integrators;

@@ -222,6 +222,14 @@ fn bench_bias(
             bias.plain_rmse,
             1e3 * bias.seconds
         ))?;
+        if let Some(ratio) = bias.calibration.ratio() {
+            let tenth = |ratio: Option<f64>| ratio.map_or("-".to_owned(), |r| format!("{r:.2}"));
+            print_line(&format!(
+                "        estimated by true error: {ratio:.2}; of tenths of the pixels, the calmest \
+                 first: {}",
+                bias.calibration.ratios().map(tenth).join(" ")
+            ))?;
+        }
         for block in bias.blocks.iter().take(BLOCKS_SHOWN) {
             print_line(&format!(
                 "        block at ({}, {}): {}",

@@ -23,7 +23,11 @@ pub struct ResumeArguments {
     output: Vec<PathBuf>,
     /// Samples per pixel in all, those that the film has included. Of this, --time and --noise
     /// what comes first counts; given one of them, none counts that was given before.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=render::MAX_SAMPLES))]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=render::MAX_SAMPLES)
+    )]
     spp: Option<u32>,
     /// Go on for this time.
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]

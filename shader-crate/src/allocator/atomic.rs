@@ -171,7 +171,7 @@ pub fn accumulate_atomic(
             add(film, first + 4, sums.second_sum);
             film.add(first + 7, sums.second_samples - 1);
             add(film, first + 8, sums.sum_of_squares);
-            film.add(first + 11, sums.rays - 1);
+            film.add(first + 15, sums.rays - 1);
         }
     }
 }

@@ -54,20 +54,20 @@ device_struct! {
         pub second_samples: u32,
         /// Sum of squared radiance by component over all samples, for the variance.
         pub sum_of_squares: Vec3,
-        /// Rays traced.
-        pub rays: u32,
-        /// What `first_sum` lacks.
-        pub first_low: Vec3,
         /// Unused; zero.
         pub pad0: u32,
+        /// What `first_sum` lacks.
+        pub first_low: Vec3,
+        /// Rays traced.
+        pub rays: u32,
         /// What `second_sum` lacks.
         pub second_low: Vec3,
-        /// Unused; zero.
-        pub pad1: u32,
+        /// Zero, which those who add to the sums do not know, see [`sum`].
+        pub zero: u32,
         /// What `sum_of_squares` lacks.
         pub squares_low: Vec3,
-        /// Unused; zero.
-        pub pad2: u32,
+        /// The same.
+        pub zero_of_squares: u32,
     }
 }
 
@@ -79,13 +79,13 @@ impl FilmPixel {
         second_sum: Vec3::ZERO,
         second_samples: 0,
         sum_of_squares: Vec3::ZERO,
-        rays: 0,
-        first_low: Vec3::ZERO,
         pad0: 0,
+        first_low: Vec3::ZERO,
+        rays: 0,
         second_low: Vec3::ZERO,
-        pad1: 0,
+        zero: 0,
         squares_low: Vec3::ZERO,
-        pad2: 0,
+        zero_of_squares: 0,
     };
 
     /// Sum of radiance over all samples.
@@ -147,7 +147,7 @@ mod tests {
             offset_of!(FilmPixel, second_low),
             offset_of!(FilmPixel, squares_low),
         ];
-        let words = [PIXEL_WORDS, 0, 3, 4, 7, 8, 11, 12, 16, 20];
+        let words = [PIXEL_WORDS, 0, 3, 4, 7, 8, 15, 12, 16, 20];
         assert_eq!(pixel, words.map(|word| 4 * word as usize));
     }
 

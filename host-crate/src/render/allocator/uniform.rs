@@ -5,6 +5,7 @@ use super::{RoundBuffers, Stream};
 use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::render::film::{Band, FilmBuffers, WINDOW_ALIGNMENT};
 use bytemuck::Zeroable;
+use raystream_shaders::film::accumulate::LANES_PER_PIXEL;
 use raystream_shaders::film::stream::RunWindow;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -137,12 +138,9 @@ pub(super) fn accumulate_runs<'a, B>(
     let contributions = || buffers.contributions.slice(0..stream.slots as usize);
     windows(buffers, stream, part)
         .map(|(band, pixels, window)| {
-            kernels::accumulate_runs(
-                &window,
-                starts(band),
-                contributions().cast(),
-                band.film.slice(pixels),
-            )
+            let window = RunWindow { threads: LANES_PER_PIXEL * window.pixels, ..window };
+            let film = band.film.slice(pixels).cast();
+            kernels::accumulate_runs(&window, starts(band), contributions().cast(), film)
         })
         .collect()
 }
