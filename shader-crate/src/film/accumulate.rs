@@ -72,7 +72,10 @@ pub fn accumulate_runs(
     let mut now = run.load(start);
     let mut slot = start;
     while slot < end {
-        let next = run.load(slot + TURN);
+        let mut next = now;
+        if slot + TURN < end {
+            next = run.load(slot + TURN);
+        }
         let left = end - slot;
         sums.add(now.0.0, true);
         sums.add(now.0.1, left > 1);
