@@ -72,6 +72,9 @@ pub struct RenderArguments {
     /// estimated, picture.albedo.png, picture.normal.png and picture.depth.png.
     #[arg(long)]
     png_layers: bool,
+    /// Say nothing but warnings and errors.
+    #[arg(short, long)]
+    pub quiet: bool,
     #[command(flatten)]
     pub checkpoints: CheckpointArguments,
     /// Render these frames one after the other: 1-240, or every tenth, 1-240x10. The number of a
@@ -82,9 +85,6 @@ pub struct RenderArguments {
     /// The frame that is being rendered.
     #[arg(skip)]
     frame: Option<u32>,
-    /// Say nothing but warnings and errors.
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 /// Samples per pixel go up to this: beyond, sample counts in an f32 are not exact.
