@@ -6,7 +6,7 @@ use super::environment::FileEnvironment;
 use super::light::FileLight;
 use super::material::FileMaterial;
 use super::transform::FileTransform;
-use super::values::{Coordinates, Depth, FilmSide, Object, Place, Radiance, present};
+use super::values::{Coordinates, Depth, FilmSide, Object, Place, Radiance, integer, present};
 use super::wrong_kind;
 use crate::scene::camera::Camera;
 use crate::scene::error::SceneError;
@@ -15,8 +15,8 @@ use crate::scene::light::QuadLight;
 use crate::scene::limits::PathLimits;
 use crate::scene::text::plain_text;
 use glam::{DAffine3, DVec3, Vec3};
-use serde::Deserialize;
-use serde::de::{Error as _, IgnoredAny};
+use serde::de::{Error as _, IgnoredAny, Unexpected};
+use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -217,7 +217,14 @@ impl SceneFile {
 
 #[derive(Deserialize)]
 struct Version {
+    #[serde(deserialize_with = "version")]
     format: u64,
+}
+
+fn version<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+    let expected = "the number of a format, 1 or 2";
+    let found = integer(deserializer, expected)?;
+    u64::try_from(found).map_err(|_| D::Error::invalid_value(Unexpected::Signed(found), &expected))
 }
 
 fn parse<'de, T: Deserialize<'de>>(path: &Path, json: &'de [u8]) -> Result<T, SceneError> {
