@@ -232,6 +232,7 @@ mod tests {
         "filters",
         "frames",
         "help",
+        "instances",
         "integrators",
         "json",
         "levels",

@@ -1,10 +1,11 @@
 //! How commands load scenes.
 
 use super::camera::CameraArguments;
+use super::choices::choice;
 use super::output::say;
 use super::progress::Waiting;
 use clap::Args;
-use raystream::scene::{Environment, LoadOptions, Scene, SceneError, Sky, shipped};
+use raystream::scene::{Environment, Instancing, LoadOptions, Scene, SceneError, Sky, shipped};
 use std::path::{Path, PathBuf};
 
 /// The options that say how scenes are loaded, what lights them besides and how they are seen.
@@ -19,6 +20,9 @@ pub struct LoadArguments {
     /// `raystream inspect` lists them].
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
+    /// What becomes of shapes that stand in several places.
+    #[arg(long, value_parser = choice::<Instancing>(), default_value_t)]
+    instances: Instancing,
     #[command(flatten)]
     environment: EnvironmentArguments,
     #[command(flatten)]
@@ -102,7 +106,10 @@ impl LoadArguments {
 
     /// Loads a scene as [`load_scene`](Self::load_scene) does, but prints no warnings.
     pub fn load_silently(&self, name: &Path, quiet: bool) -> Result<Scene, SceneError> {
-        let options = LoadOptions { max_memory: (self.max_memory * GIB) as u64 };
+        let options = LoadOptions {
+            max_memory: (self.max_memory * GIB) as u64,
+            instancing: self.instances,
+        };
         let _waiting = Waiting::start(quiet, format!("loading {}", name.display()));
         let mut scene = match name.to_str() {
             Some("-") => options.read(&mut std::io::stdin().lock(), "<standard input>")?,

@@ -7,7 +7,14 @@ mod models;
 mod picture;
 mod surroundings;
 
+use glam::Vec3;
 use raystream::scene::Scene;
+
+/// The corners of all triangles.
+fn corners(scene: &Scene) -> Vec<[Vec3; 3]> {
+    let meshes = scene.meshes.iter();
+    meshes.flat_map(|mesh| (0..mesh.triangles.len()).map(|at| mesh.corners(at))).collect()
+}
 
 #[track_caller]
 fn assert_warns(scene: &Scene, parts: &[&str]) {

@@ -3,7 +3,7 @@
 use super::extensions;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
-use crate::scene::options::LoadOptions;
+use crate::scene::options::{Instancing, LoadOptions};
 use crate::scene::source::{SceneBytes, Source, find_foreign};
 use crate::scene::text::{Name, plain_text};
 use gltf::binary::Glb;
@@ -35,6 +35,8 @@ pub(super) struct Document<'a> {
     pub root: Root,
     /// The bytes of each buffer; none where the file names none.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
+    /// What becomes of shapes that stand in several places.
+    pub instancing: Instancing,
     limit: u64,
     left: Cell<u64>,
 }
@@ -50,7 +52,8 @@ impl<'a> Document<'a> {
         let root = root(path, &json)?;
         let limit = options.max_memory;
         let left = Cell::new(limit);
-        let mut document = Self { path, folder, root, buffers: Vec::new(), limit, left };
+        let (buffers, instancing) = (Vec::new(), options.instancing);
+        let mut document = Self { path, folder, root, buffers, instancing, limit, left };
         extensions::check_required(&document.root, document.path)?;
         for index in 0..document.root.buffers.len() {
             let place = format!("buffers[{index}]");

@@ -47,6 +47,8 @@ pub(super) struct FileMesh {
     pub file: String,
     /// None where it stays as it is.
     pub transform: Option<DAffine3>,
+    /// Where it stands then, if that is in several places.
+    pub instances: Option<Vec<DAffine3>>,
     /// What all of it is made of, but for `materials`.
     pub material: Option<MaterialChoice>,
     /// What its materials are, by their names in the OBJ.
@@ -115,6 +117,8 @@ struct MeshKeys {
     #[serde(default, deserialize_with = "present")]
     transform: Option<Object<FileTransform>>,
     #[serde(default, deserialize_with = "present")]
+    instances: Option<Vec<Object<FileTransform>>>,
+    #[serde(default, deserialize_with = "present")]
     material: Option<MaterialChoice>,
     #[serde(default)]
     materials: BTreeMap<String, MaterialChoice>,
@@ -132,6 +136,7 @@ impl From<Format1> for SceneFile {
             place: String::new(),
             file: file.obj,
             transform: None,
+            instances: None,
             material: None,
             materials: file.materials.into_iter().map(own).collect(),
             normals: file.normals,
@@ -159,6 +164,9 @@ impl From<Format2> for SceneFile {
             place: format!("meshes[{index}]."),
             file: mesh.file,
             transform: mesh.transform.map(|Object(FileTransform(transform))| transform),
+            instances: mesh.instances.map(|list| {
+                list.into_iter().map(|Object(FileTransform(transform))| transform).collect()
+            }),
             material: mesh.material,
             materials: mesh.materials,
             normals: mesh.normals,
