@@ -215,6 +215,7 @@ mod tests {
     const ALWAYS: &[&str] = &[
         "allocator",
         "allocators",
+        "at",
         "bvh",
         "cache",
         "camera",

@@ -7,6 +7,7 @@ use super::progress::Waiting;
 use clap::Args;
 use raystream::scene::{Environment, Instancing, LoadOptions, Scene, SceneError, Sky, shipped};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The options that say how scenes are loaded, what lights them besides and how they are seen.
 #[derive(Args)]
@@ -23,6 +24,9 @@ pub struct LoadArguments {
     /// What becomes of shapes that stand in several places.
     #[arg(long, value_parser = choice::<Instancing>(), default_value_t)]
     instances: Instancing,
+    /// Show a glTF at this time of its first animation: nodes, skins and morph targets.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
+    at: Option<Duration>,
     #[command(flatten)]
     environment: EnvironmentArguments,
     #[command(flatten)]
@@ -109,6 +113,7 @@ impl LoadArguments {
         let options = LoadOptions {
             max_memory: (self.max_memory * GIB) as u64,
             instancing: self.instances,
+            at: self.at,
         };
         let _waiting = Waiting::start(quiet, format!("loading {}", name.display()));
         let mut scene = match name.to_str() {
@@ -152,6 +157,12 @@ fn parse_strength(text: &str) -> Result<f32, String> {
         Ok(factor) if (0.0..=1e6).contains(&factor) => Ok(factor),
         _ => Err(format!("'{text}' is not a factor, from 0 to 1000000")),
     }
+}
+
+fn parse_time(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().ok();
+    let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    time.ok_or_else(|| format!("'{text}' is not a time in seconds, such as 1.5"))
 }
 
 fn parse_memory(text: &str) -> Result<f64, String> {

@@ -1,6 +1,7 @@
 //! How a scene is loaded.
 
 use crate::names::named;
+use std::time::Duration;
 
 /// How a scene is loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,11 +14,14 @@ pub struct LoadOptions {
     pub max_memory: u64,
     /// What becomes of shapes that stand in several places.
     pub instancing: Instancing,
+    /// The time at which the first animation of a glTF is shown, from its beginning; `None`: all
+    /// stands as it does without animations.
+    pub at: Option<Duration>,
 }
 
 impl Default for LoadOptions {
     fn default() -> Self {
-        Self { max_memory: 8 << 30, instancing: Instancing::default() }
+        Self { max_memory: 8 << 30, instancing: Instancing::default(), at: None }
     }
 }
 

@@ -1,5 +1,6 @@
 //! glTF files become the scenes that they mean, or errors that say where they are wrong.
 
+mod animation;
 mod broken;
 mod geometry;
 mod materials;

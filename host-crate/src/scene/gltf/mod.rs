@@ -4,6 +4,7 @@
 //! own validation panics on indices that lead nowhere, and its readers know no quantised positions.
 
 mod accessor;
+mod animation;
 mod camera;
 mod deform;
 mod document;
@@ -48,11 +49,14 @@ pub(super) fn load(
     file: SceneBytes<'_>,
     options: LoadOptions,
 ) -> Result<Scene, SceneError> {
-    let document = Document::parse(source, file, options)?;
+    let mut document = Document::parse(source, file, options)?;
+    if let Some(at) = options.at {
+        animation::pose(&mut document, at)?;
+    }
     let nodes = Nodes::of(&document)?;
     let mut scene = Scene::new(Camera::new(Vec3::Z, Vec3::ZERO, 40.0), FilmSize::default());
     scene.name = file.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
-    document.warn(&mut scene);
+    document.warn(options.at.is_some(), &mut scene);
     let mut materials = Materials::new(&document, source, options);
     let placed = place(&document, &nodes, &mut materials, &mut scene)?;
     let placed = placed::gathered(placed, &document, &scene)?;
