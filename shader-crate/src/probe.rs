@@ -18,7 +18,7 @@ device_struct! {
     pub struct BruteForceParams {
         /// Rays.
         pub threads: u32,
-        /// The first triangle to test, in the order of the BVH's leaves.
+        /// The first triangle to test, by its number as a [hit](Hit::triangle).
         pub first: u32,
         /// The end of those to test.
         pub end: u32,
@@ -127,7 +127,8 @@ pub fn brute_force_hits(
     let nothing = Hit::miss(0.0);
     let mut triangle = params.first;
     while triangle < params.end {
-        let planes = scene.bvh.planes(triangle);
+        let place = scene.bvh.place(triangle);
+        let (planes, ray) = (scene.bvh.planes(place.entry), scene.bvh.ray_at(&place, &ray));
         scene.bvh.test(&planes, &ray, triangle, &nothing, Order::NEAREST, &mut nearest);
         triangle += 1;
     }
@@ -147,7 +148,9 @@ pub fn any_hits(
 
 /// The point that `ray` hit, its normal on the side that the ray came from.
 fn surface_point(scene: &SceneView<'_, impl Abilities>, ray: &Ray, hit: &Hit) -> SurfacePoint {
-    let point = scene.surfaces.point(&scene.surfaces.triangle(hit.triangle), ray, hit);
+    let place = scene.bvh.place(hit.triangle);
+    let triangle = scene.surfaces.triangle(place.entry);
+    let point = scene.surfaces.point(&place, &triangle, ray, hit);
     let behind = ray.direction.dot(point.normal) > 0.0;
     SurfacePoint { normal: if behind { -point.normal } else { point.normal }, ..point }
 }

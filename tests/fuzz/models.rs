@@ -12,7 +12,9 @@ use std::path::Path;
 /// Loads a scene from one file, and makes it ready to be rendered if it can be.
 fn load(name: &str, bytes: &[u8]) {
     let files: BTreeMap<_, _> = [(name.into(), bytes.to_vec())].into();
-    match (LoadOptions { max_memory: 256 << 20 }).load_files(&files, Path::new(name)) {
+    match (LoadOptions { max_memory: 256 << 20, ..LoadOptions::default() })
+        .load_files(&files, Path::new(name))
+    {
         Ok(scene) if scene.triangle_count() <= 64 => {
             // Too deep a hierarchy is an error.
             let _ = PreparedScene::new(&scene, BvhQuality::Fast);
@@ -157,7 +159,7 @@ fn hdr_files_by_chance() {
         "4294967295",
         "nan",
     ];
-    let options = LoadOptions { max_memory: 256 << 20 };
+    let options = LoadOptions { max_memory: 256 << 20, ..LoadOptions::default() };
     fuzz("hdr", seeds, words, as_it_is, |bytes| {
         let name = format!("{:?}.hdr", std::thread::current().id());
         let path = folder.path().join(name.replace(['(', ')'], ""));

@@ -178,7 +178,7 @@ fn files(scene: &str, obj: &[u8], mtl: &[u8], picture: &[u8]) -> BTreeMap<PathBu
 
 /// Loads a scene, and makes it ready to be rendered if it can be.
 fn load(files: &BTreeMap<PathBuf, Vec<u8>>) {
-    let options = LoadOptions { max_memory: 256 << 20 };
+    let options = LoadOptions { max_memory: 256 << 20, ..LoadOptions::default() };
     let longest = files.values().map(Vec::len).max().unwrap_or(0);
     match options.load_files(files, Path::new("s.json")) {
         Ok(scene) if scene.triangle_count() <= 64 => {

@@ -6,6 +6,7 @@ mod cameras;
 mod devices;
 mod emission_maps;
 mod environment;
+mod instances;
 mod lvc;
 mod memory;
 mod pixel_filters;

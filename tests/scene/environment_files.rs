@@ -76,7 +76,7 @@ fn other_files_are_refused() {
     let missing = folder.path().join("missing.hdr");
     let error = LoadOptions::default().load_environment(&missing).unwrap_err().to_string();
     assert!(error.contains("missing.hdr: cannot be read"), "{error}");
-    let small = LoadOptions { max_memory: 4096 };
+    let small = LoadOptions { max_memory: 4096, ..LoadOptions::default() };
     std::fs::write(folder.path().join("sky"), hdr()).unwrap();
     let error = small.load_environment(&folder.path().join("sky")).unwrap_err().to_string();
     assert!(error.contains("sky"), "{error}");

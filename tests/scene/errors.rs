@@ -121,7 +121,11 @@ fn values_of_the_wrong_type() {
         json!({"plain": ["null"]}),
         &["materials.plain", "expected an object"],
     );
-    expect_value("/film/width", json!(8.5), &["film.width", "invalid type"]);
+    let width = ["film.width", "invalid type", "an integer from 1 to 16384"];
+    expect_value("/film/width", json!(8.5), &width);
+    expect_value("/film/width", json!(u64::MAX), &["film.width", "an integer from 1 to 16384"]);
+    expect_value("/camera/fov_y", json!("40"), &["camera.fov_y", "expected a number"]);
+    expect_value("/format", json!(-1), &["key `format`", "the number of a format"]);
     expect_value("/camera/origin", json!([0, 0]), &["camera.origin", "three numbers", "has 2"]);
     expect_value(
         "/camera/origin",

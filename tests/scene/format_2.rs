@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use raystream::scene::{
-    Lens, Material, MaterialId, Mesh, Principled, Projection, PunctualLight, Scene,
+    Instancing, Lens, LoadOptions, Material, MaterialId, Mesh, Principled, Projection,
+    PunctualLight, Scene,
 };
 use raystream_tests::scene_folder::SceneFolder;
 use serde_json::{Value, json};
@@ -137,6 +138,60 @@ fn meshes_are_moved() {
     let [a, b, c] = mirrored.corners(0);
     close((b - a).cross(c - a).normalize(), Vec3::NEG_Z);
     close(a, Vec3::X * 3.0);
+}
+
+#[test]
+fn meshes_have_instances() {
+    let mut file = whole();
+    file["meshes"][0]["instances"] = json!([{}, {"translate": [0, 1, 0], "scale": [-1, 1, 1]}]);
+    let (scene, plain) = (load(&file), load(&whole()));
+    // Two parts.
+    assert_eq!(scene.meshes.len(), plain.meshes.len() + 2);
+    assert_eq!(scene.meshes[0], plain.meshes[0]);
+    let [a, b, c] = plain.meshes[0].corners(0).map(|corner| corner + Vec3::Y);
+    assert!(scene.meshes[1].corners(0).map(|p| p.x.abs()).iter().all(|x| *x < 1e-6));
+    for (found, expected) in scene.meshes[1].corners(0).into_iter().zip([a, c, b]) {
+        assert!((found - expected).length() < 1e-6, "{found} {expected}");
+    }
+    file["meshes"][0]["instances"] = json!([]);
+    let message = folder(&file).error();
+    assert!(message.contains("meshes[0].instances") && message.contains("nowhere"), "{message}");
+    file["meshes"][0]["instances"] = json!([{"translate": [1e10, 0, 0]}, {}]);
+    let message = folder(&file).error();
+    assert!(message.contains("meshes[0].instances") && message.contains("too far"), "{message}");
+}
+
+#[test]
+fn instances_are_kept_once_where_that_is_wanted() {
+    let mut file = whole();
+    let square = format!("{SQUARE}{}", "f 1/1/1 2/2/1 4/4/1\n".repeat(20));
+    file["meshes"] = json!([{"file": "many.obj", "normals": "smooth", "material": "glow",
+        "transform": {"rotate": [0, 30, 0]},
+        "instances": [{}, {"translate": [0, 1, 0], "scale": [-1, 1, 2]}, {"rotate": [9, 9, 9]}]}]);
+    file["materials"] = json!({"glow": file["materials"]["glow"]});
+    file["materials"]["glow"]["radiance"] = json!([0, 0, 0]);
+    let folder = folder(&file).with("many.obj", square);
+    let load = |instancing| {
+        let options = LoadOptions { instancing, ..LoadOptions::default() };
+        options.load(&folder.path("scene.json")).unwrap()
+    };
+    let kept = load(Instancing::Always);
+    // The part of one face is repeated.
+    let counts = (kept.meshes.len(), kept.shapes.len(), kept.instances.len());
+    assert_eq!(counts, (3, 1, 3));
+    let (flat, repeated) = (kept.without_instances(), load(Instancing::Auto));
+    assert_eq!((flat.meshes.len(), repeated.instances.len()), (6, 0));
+    assert_eq!(flat.meshes[..3], repeated.meshes[..3]);
+    for (a, b) in flat.meshes[3..].iter().zip(&repeated.meshes[3..]) {
+        assert_eq!((&a.triangles, &a.texture_coordinates), (&b.triangles, &b.texture_coordinates));
+        for index in 0..a.triangles.len() {
+            let near = |a: Vec3, b: Vec3| (a - b).length() < 1e-6;
+            let (from, to) = (a.corners(index), b.corners(index));
+            assert!(from.into_iter().zip(to).all(|(a, b)| near(a, b)), "{from:?} {to:?}");
+            let [from, to] = [a, b].map(|mesh| mesh.normals.as_ref().unwrap()[index]);
+            assert!(from.into_iter().zip(to).all(|(a, b)| near(a, b)), "{from:?} {to:?}");
+        }
+    }
 }
 
 /// Scaled unevenly, normals stay perpendicular to the surface.

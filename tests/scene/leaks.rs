@@ -1,6 +1,6 @@
 //! No ray gets out of a closed room, wherever it is and however large.
 
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Mat3, Vec3};
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor, SceneBuffers, kernels};
 use raystream::render::Settings;
@@ -187,6 +187,39 @@ fn no_ray_leaves_a_closed_room_through_an_edge() {
             assert_eq!(leaks(gpu, room, &rays, 2), 0, "{} on a GPU", room.name);
         }
     });
+}
+
+/// The same of rooms that are instances, brought to their size, place and proportions by transforms.
+#[test]
+fn no_ray_leaves_an_instance_of_a_room() {
+    let turn = DQuat::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 1.1);
+    let place = DVec3::new(3.0, -1.0, 0.25);
+    let transforms = [
+        DAffine3::from_translation(place),
+        DAffine3::from_scale(DVec3::new(1e3, -1e3, 1e3)),
+        DAffine3::from_scale_rotation_translation(DVec3::splat(0.01), turn, place * 0.01),
+        DAffine3::from_scale_rotation_translation(DVec3::new(4.0, 0.5, -1.0), turn, place),
+    ];
+    for (seed, (name, scene, middle)) in (0..).zip(shapes()) {
+        for (number, transform) in transforms.iter().enumerate() {
+            let mut instanced = scene.clone();
+            let shape = instanced.add_shape(instanced.meshes[0].clone());
+            instanced.meshes.clear();
+            instanced.add_instance(shape, *transform);
+            // Rays are aimed at its edges in the world.
+            let middle = transform.transform_point3(middle.as_dvec3()).as_vec3();
+            let world = scene.meshes[0].moved(transform);
+            let name = format!("{name}, transform {number}");
+            let aimed = Room {
+                name: name.clone(),
+                scene: Scene { meshes: vec![world], ..scene.clone() },
+                middle,
+            };
+            let rays = rays_at_edges(&aimed, 20_000, &mut Numbers(hash(seed)));
+            let room = Room { name, scene: instanced, middle };
+            assert_eq!(leaks(&CpuExecutor, &room, &rays, 2), 0, "{}", room.name);
+        }
+    }
 }
 
 /// In an f32 a room so far from the origin has little more than its shape. Rays that graze an edge

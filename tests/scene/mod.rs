@@ -11,6 +11,7 @@ mod files;
 mod format_2;
 mod gltf;
 mod holes;
+mod instances;
 mod leaks;
 mod light;
 mod loading;

@@ -17,7 +17,8 @@ const ASCII: &str = "ply\nformat ascii 1.0\ncomment a\nelement vertex 5\npropert
 
 fn load(bytes: &[u8]) -> Result<Scene, SceneError> {
     let files: BTreeMap<_, _> = [("a.ply".into(), bytes.to_vec())].into();
-    LoadOptions { max_memory: 256 << 20 }.load_files(&files, Path::new("a.ply"))
+    LoadOptions { max_memory: 256 << 20, ..LoadOptions::default() }
+        .load_files(&files, Path::new("a.ply"))
 }
 
 /// The same file in another encoding.

@@ -155,7 +155,8 @@ impl Gltf {
 /// Loads a file called `a.glb`.
 pub fn load_bytes(bytes: &[u8]) -> Result<Scene, SceneError> {
     let files: BTreeMap<PathBuf, Vec<u8>> = [("a.glb".into(), bytes.to_vec())].into();
-    LoadOptions { max_memory: 256 << 20 }.load_files(&files, Path::new("a.glb"))
+    LoadOptions { max_memory: 256 << 20, ..LoadOptions::default() }
+        .load_files(&files, Path::new("a.glb"))
 }
 
 /// A binary glTF of this JSON and this buffer.

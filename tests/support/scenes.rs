@@ -1,9 +1,9 @@
 //! Small scenes, made in place.
 
-use glam::{Vec2, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use raystream::scene::{
-    Attenuation, Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh, Principled,
-    Projection, PunctualLight, Scene, Texture,
+    Attenuation, Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh, NormalMap,
+    Principled, Projection, PunctualLight, Scene, Texture, TextureId,
 };
 
 /// Lambert's law.
@@ -174,6 +174,45 @@ pub fn drink() -> Scene {
     add_box(&mut scene, at(0.5, 0.41, 0.5), at(0.62, 0.52, 0.62), false, ice);
     add_ball(&mut scene, at(0.8, 0.42, 0.8), 0.06, 2, marble);
     add_quad(&mut scene, at(0.46, 0.1, 0.45), at(0.0, 0.1, 0.0), at(0.0, 0.0, 0.1), lamp);
+    scene
+}
+
+/// The [`room`] whose block and whose ball of `ball`'s material are instances: turned, stretched and
+/// mirrored, several of each. The balls are of few triangles, smooth by their normals, and have a
+/// map of normals if `ball` is principled.
+pub fn instanced(ball: Material) -> Scene {
+    let mut scene = room(ball, 1.0);
+    let mut round = scene.meshes.pop().expect("there is a ball");
+    let block = scene.meshes.pop().expect("there is a block");
+    let material = round.material;
+    if let Material::Principled(principled) = &mut scene.materials[material.0 as usize] {
+        let texels = (0..64).map(|k| [100 + k % 8 * 8, 160 - k / 8 * 8, 230, 255]).collect();
+        scene.textures.push(Texture::new(8, 8, texels));
+        let bumps = TextureId(scene.textures.len() as u32 - 1);
+        let normal = Some(NormalMap { texture: bumps, scale: 1.0 });
+        principled.maps = Maps { normal, ..principled.maps };
+    }
+    let middle = Vec3::new(0.68, 0.22, 0.6);
+    for position in &mut round.positions {
+        *position = (*position - middle) * 5.0;
+    }
+    smooth(&mut round, Vec3::ZERO);
+    let uv = |p: Vec3| Vec2::new(p.x + 0.3 * p.z, p.y);
+    let coordinates = (0..round.triangles.len()).map(|index| round.corners(index).map(uv));
+    round.texture_coordinates = Some(coordinates.collect());
+    let [round, block] = [round, block].map(|mesh| scene.add_shape(mesh));
+    let at = |scale: [f64; 3], angle: f64, place: [f64; 3]| {
+        DAffine3::from_scale_rotation_translation(
+            DVec3::from_array(scale),
+            DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), angle),
+            DVec3::from_array(place),
+        )
+    };
+    scene.add_instance(round, at([0.2; 3], 0.7, [0.68, 0.22, 0.6]));
+    scene.add_instance(round, at([0.1, -0.06, 0.15], 1.9, [0.3, 0.5, 0.65]));
+    scene.add_instance(round, at([-0.07; 3], 0.0, [0.62, 0.55, 0.5]));
+    scene.add_instance(block, DAffine3::IDENTITY);
+    scene.add_instance(block, at([-0.5, 0.4, 0.6], -0.4, [0.95, 0.1, 0.4]));
     scene
 }
 

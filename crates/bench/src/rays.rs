@@ -168,8 +168,10 @@ pub fn brute_force(scene: &PreparedScene, ray: &Ray) -> Hit {
     let bvh = scene.view().bvh;
     let mut hit = Hit::miss(ray.t_max);
     let nothing = Hit::miss(0.0);
-    for triangle in 0..scene.scene_triangles.len() as u32 {
-        bvh.test(&bvh.planes(triangle), ray, triangle, &nothing, Order::NEAREST, &mut hit);
+    for number in 0..scene.numbers {
+        let place = bvh.place(number);
+        let (planes, ray) = (bvh.planes(place.entry), bvh.ray_at(&place, ray));
+        bvh.test(&planes, &ray, number, &nothing, Order::NEAREST, &mut hit);
     }
     hit
 }
@@ -202,7 +204,7 @@ fn check_closest(
         .map(|&index| {
             let (hit, expected) = (&traced.hits[index], brute_force(scene, &traced.rays[index]));
             // Splits repeat a triangle, so its place in the scene counts, not in the BVH.
-            let of_scene = |hit: &Hit| scene.scene_triangles.get(hit.triangle as usize);
+            let of_scene = |hit: &Hit| scene.scene_triangle(hit);
             if hit.is_some() == expected.is_some() && of_scene(hit) == of_scene(&expected) {
                 Ok(0)
             } else if hit.is_some() && expected.is_some() && same_distance(hit.t, expected.t) {

@@ -6,6 +6,7 @@ use raystream::names::UnknownName;
 use raystream::render::{
     AllocatorKind, BvhQuality, Estimator, FilterKind, IntegratorKind, PixelFilterShape,
 };
+use raystream::scene::Instancing;
 use std::str::FromStr;
 
 /// An enum of the library, with what `--help` says of each value.
@@ -42,6 +43,14 @@ macro_rules! choices {
             }
         }
     };
+}
+
+choices! {
+    Instancing {
+        Auto: "Repeated while they have at most 2^20 triangles together, else kept once",
+        Always: "Kept once in memory; rays take longer",
+        Never: "Repeated",
+    }
 }
 
 choices! {

@@ -215,6 +215,7 @@ mod tests {
     const ALWAYS: &[&str] = &[
         "allocator",
         "allocators",
+        "at",
         "bvh",
         "cache",
         "camera",
@@ -232,6 +233,7 @@ mod tests {
         "filters",
         "frames",
         "help",
+        "instances",
         "integrators",
         "json",
         "levels",

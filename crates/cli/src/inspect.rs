@@ -5,7 +5,7 @@ use super::loading::LoadArguments;
 use super::output::print_line;
 use clap::Args;
 use raystream::render::{BvhQuality, PreparedScene};
-use raystream::scene::{Material, Projection, Scene, Texture, Wrap};
+use raystream::scene::{Material, Mesh, Projection, Scene, Texture, Wrap};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -53,20 +53,23 @@ fn materials(scene: &Scene) -> Vec<(&'static str, usize)> {
 /// How many triangles of meshes emit light.
 fn emissive_triangles(scene: &Scene) -> usize {
     let emits = |material: &Material| material.radiance().max_element() > 0.0;
-    let meshes = scene.meshes.iter();
+    let placed = scene.instances.iter().map(|instance| &scene.shapes[instance.shape.0 as usize]);
+    let meshes = scene.meshes.iter().chain(placed);
     let lit = meshes.filter(|mesh| emits(&scene.materials[mesh.material.0 as usize]));
     lit.map(|mesh| mesh.triangles.len()).sum()
 }
 
 /// The lowest and highest corners of the box around all meshes; none without any.
 fn bounds(scene: &Scene) -> Option<[[f32; 3]; 2]> {
-    let corners = scene
-        .meshes
-        .iter()
-        .flat_map(|mesh| (0..mesh.triangles.len()).flat_map(|triangle| mesh.corners(triangle)));
-    let both = corners.map(|corner| (corner, corner));
-    let (low, high) = both.reduce(|(low, high), (a, b)| (low.min(a), high.max(b)))?;
-    Some([low.to_array(), high.to_array()])
+    Some(scene.bounds()?.map(|corner| corner.to_array()))
+}
+
+/// Triangles of shapes that are once in memory, and as many as they would be if each instance had
+/// its own.
+fn instanced_triangles(scene: &Scene) -> [usize; 2] {
+    let of_shape = |shape: &Mesh| shape.triangles.len();
+    let placed = scene.instances.iter().map(|instance| &scene.shapes[instance.shape.0 as usize]);
+    [scene.shapes.iter().map(of_shape).sum(), placed.map(of_shape).sum()]
 }
 
 /// Bytes on a device: of geometry, of surfaces, of textures with the environment.
@@ -147,6 +150,13 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
         "film": [scene.film.width, scene.film.height],
         "meshes": scene.meshes.len(),
         "triangles": scene.triangle_count(),
+        "instances": {
+            "shapes": scene.shapes.len(),
+            "count": scene.instances.len(),
+            "triangles": instanced_triangles(scene)[1],
+            "triangles_of_shapes": instanced_triangles(scene)[0],
+            "kept_as_such": prepared.instances,
+        },
         "bounds": bounds(scene),
         "materials": kinds,
         "textures": scene.textures.iter().map(texture).collect::<Vec<_>>(),
@@ -166,6 +176,20 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
     })
 }
 
+/// What there is of instances, if there are any.
+fn instances(scene: &Scene, prepared: &PreparedScene) -> Option<String> {
+    let ([once, all], count) = (instanced_triangles(scene), scene.instances.len());
+    let repeated = match count - prepared.instances as usize {
+        0 => String::new(),
+        repeated => format!(" (but {repeated} are repeated or left out)"),
+    };
+    let shapes = scene.shapes.len();
+    let text = format!(
+        "instances   {count} of {shapes} shapes: {all} triangles, {once} in memory{repeated}"
+    );
+    (count > 0).then_some(text)
+}
+
 /// Whether the camera is in a body, where paths know what they are in.
 fn is_in_body(prepared: &PreparedScene) -> bool {
     prepared.view().surfaces.media_of_camera().there() != 0
@@ -176,6 +200,7 @@ fn lines(scene: &Scene, prepared: &PreparedScene) -> Vec<String> {
         format!("scene       {}, {}x{} pixels", scene.name, scene.film.width, scene.film.height),
         format!("triangles   {} in {} meshes", scene.triangle_count(), scene.meshes.len()),
     ];
+    lines.extend(instances(scene, prepared));
     if let Some([[x0, y0, z0], [x1, y1, z1]]) = bounds(scene) {
         lines.push(format!("extent      ({x0}, {y0}, {z0}) to ({x1}, {y1}, {z1})"));
     }

@@ -1,11 +1,13 @@
 //! How commands load scenes.
 
 use super::camera::CameraArguments;
+use super::choices::choice;
 use super::output::say;
 use super::progress::Waiting;
 use clap::Args;
-use raystream::scene::{Environment, LoadOptions, Scene, SceneError, Sky, shipped};
+use raystream::scene::{Environment, Instancing, LoadOptions, Scene, SceneError, Sky, shipped};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The options that say how scenes are loaded, what lights them besides and how they are seen.
 #[derive(Args)]
@@ -19,6 +21,12 @@ pub struct LoadArguments {
     /// `raystream inspect` lists them].
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
+    /// What becomes of shapes that stand in several places.
+    #[arg(long, value_parser = choice::<Instancing>(), default_value_t)]
+    instances: Instancing,
+    /// Show a glTF at this time of its first animation: nodes, skins and morph targets.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
+    at: Option<Duration>,
     #[command(flatten)]
     environment: EnvironmentArguments,
     #[command(flatten)]
@@ -102,7 +110,11 @@ impl LoadArguments {
 
     /// Loads a scene as [`load_scene`](Self::load_scene) does, but prints no warnings.
     pub fn load_silently(&self, name: &Path, quiet: bool) -> Result<Scene, SceneError> {
-        let options = LoadOptions { max_memory: (self.max_memory * GIB) as u64 };
+        let options = LoadOptions {
+            max_memory: (self.max_memory * GIB) as u64,
+            instancing: self.instances,
+            at: self.at,
+        };
         let _waiting = Waiting::start(quiet, format!("loading {}", name.display()));
         let mut scene = match name.to_str() {
             Some("-") => options.read(&mut std::io::stdin().lock(), "<standard input>")?,
@@ -145,6 +157,12 @@ fn parse_strength(text: &str) -> Result<f32, String> {
         Ok(factor) if (0.0..=1e6).contains(&factor) => Ok(factor),
         _ => Err(format!("'{text}' is not a factor, from 0 to 1000000")),
     }
+}
+
+fn parse_time(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().ok();
+    let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    time.ok_or_else(|| format!("'{text}' is not a time in seconds, such as 1.5"))
 }
 
 fn parse_memory(text: &str) -> Result<f64, String> {

@@ -29,9 +29,9 @@ const MIN_ETA: f64 = 1e-3;
 /// Light is coloured after a distance between the inverse of this and this.
 const MAX_ATTENUATION_DISTANCE: f64 = 1e12;
 /// Priorities of bodies lie between the negative of this and this.
-const MAX_PRIORITY: i32 = 1000;
+pub(super) const MAX_PRIORITY: i32 = 1000;
 /// Apertures have at most so many corners.
-const MAX_BLADES: u32 = 64;
+pub(super) const MAX_BLADES: u32 = 64;
 /// Textures are at most this wide and high, in texels.
 pub(super) const MAX_TEXTURE_SIDE: u32 = 16_384;
 /// Texels of all textures together, with what a device's buffer of them holds besides: 1 GiB.

@@ -4,11 +4,12 @@ use super::bounds::{self, MAX_COORDINATE, MAX_TEXELS, MAX_TEXTURE_SIDE};
 use super::camera::NamedCamera;
 use super::description::Scene;
 use super::film::FilmSize;
+use super::instance::Instance;
 use super::material::{Attenuation, Maps, Material, Opacity, Principled, Reflectance};
 use super::mesh::Mesh;
 use super::metal::Conductor;
 use super::texture::Texture;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use raystream_shaders::scene::media::MOST_BODIES;
 
 /// What is wrong with a scene.
@@ -65,6 +66,7 @@ impl Scene {
                 what,
             })?;
         }
+        self.check_instances()?;
         self.check_quad_lights()?;
         self.check_punctual_lights()
     }
@@ -196,6 +198,43 @@ impl Scene {
             if !light.has_area() {
                 return Err(at(&place)("u and v span no area".to_owned()));
             }
+        }
+        Ok(())
+    }
+
+    fn check_instances(&self) -> Result<(), InvalidScene> {
+        for (index, shape) in self.shapes.iter().enumerate() {
+            self.check_mesh(shape).map_err(|InvalidScene { place, what }| InvalidScene {
+                place: format!("shapes[{index}].{place}"),
+                what,
+            })?;
+        }
+        let boxes: Vec<[DVec3; 2]> = self.shapes.iter().map(Mesh::bounds).collect();
+        for (index, Instance { shape, transform }) in self.instances.iter().enumerate() {
+            let place = format!("instances[{index}]");
+            in_range("shape", shape.0, self.shapes.len(), "shapes").map_err(at(&place))?;
+            let [low, high] = boxes[shape.0 as usize];
+            // How far the farthest corner of the box goes, or farther.
+            let reach = low.abs().max(high.abs());
+            let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z]
+                .map(|axis| transform.transform_vector3(axis * reach).abs());
+            let farthest = (x + y + z + transform.translation.abs()).max_element();
+            // Not a number is in no range.
+            let is_near = farthest <= MAX_COORDINATE && transform.is_finite();
+            if !is_near {
+                let what = format!(
+                    "places its shape farther than {MAX_COORDINATE:e} from the origin, or nowhere"
+                );
+                return Err(at(&format!("{place}.transform"))(what));
+            }
+        }
+        let triangles = self.triangle_count();
+        if triangles > u32::MAX as usize {
+            let what = format!(
+                "make {triangles} triangles, repeated ones counted, but a scene has at most {}",
+                u32::MAX
+            );
+            return Err(at("instances")(what));
         }
         Ok(())
     }

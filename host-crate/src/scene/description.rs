@@ -4,12 +4,13 @@ use super::camera::{Camera, NamedCamera};
 use super::environment::{Environment, LIT_BY_DEFAULT};
 use super::error::SceneError;
 use super::film::FilmSize;
+use super::instance::{Instance, ShapeId, is_well_conditioned, may_have_instances};
 use super::light::{PunctualLight, QuadLight};
 use super::limits::PathLimits;
 use super::material::{Body, Material, MaterialId};
 use super::mesh::Mesh;
 use super::texture::{Texture, TextureId};
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec3};
 
 /// How warnings end of scenes in which nothing emits light.
 pub(super) const DARK: &str = "nothing emits light, the picture will be black; add `quads`, an \
@@ -37,6 +38,14 @@ pub struct Scene {
     pub environment: Option<Environment>,
     /// The surfaces.
     pub meshes: Vec<Mesh>,
+    /// Surfaces in spaces of their own, which are there where [`instances`](Self::instances) place
+    /// them. Coordinates are within [-1e9, 1e9].
+    pub shapes: Vec<Mesh>,
+    /// Where shapes stand. Together they have at most 2^32 - 1 triangles, those of meshes counted.
+    ///
+    /// A shape is once in memory, whatever the number of its instances, unless it emits light or is
+    /// flattened by its transform.
+    pub instances: Vec<Instance>,
     /// The lamps that are no meshes.
     pub quad_lights: Vec<QuadLight>,
     /// The lights that have no surface.
@@ -64,6 +73,8 @@ impl Scene {
             background: Vec3::ZERO,
             environment: None,
             meshes: Vec::new(),
+            shapes: Vec::new(),
+            instances: Vec::new(),
             quad_lights: Vec::new(),
             punctual_lights: Vec::new(),
             materials: Vec::new(),
@@ -88,6 +99,43 @@ impl Scene {
     /// Adds surfaces.
     pub fn add_mesh(&mut self, mesh: Mesh) {
         self.meshes.push(mesh);
+    }
+
+    /// Adds surfaces for instances to place.
+    pub fn add_shape(&mut self, shape: Mesh) -> ShapeId {
+        self.shapes.push(shape);
+        ShapeId(self.shapes.len() as u32 - 1)
+    }
+
+    /// Places a shape.
+    pub fn add_instance(&mut self, shape: ShapeId, transform: DAffine3) {
+        self.instances.push(Instance { shape, transform });
+    }
+
+    /// Places surfaces several times: as instances where that is possible, else as meshes.
+    pub(super) fn add_repeated(&mut self, shape: Mesh, transforms: &[DAffine3]) {
+        let is_lamp = !may_have_instances(&self.materials[shape.material.0 as usize]);
+        let is_kept = |transform: &DAffine3| !is_lamp && is_well_conditioned(transform);
+        let flattened = transforms.iter().filter(|transform| !is_kept(transform));
+        self.meshes.extend(flattened.map(|transform| shape.moved(transform)));
+        if transforms.iter().any(is_kept) {
+            let shape = self.add_shape(shape);
+            let kept = transforms.iter().filter(|transform| is_kept(transform));
+            kept.for_each(|&transform| self.add_instance(shape, transform));
+        }
+    }
+
+    /// The same scene with a mesh for each instance. Pictures of it differ by roundings alone.
+    ///
+    /// # Panics
+    ///
+    /// When an instance's shape is not there.
+    pub fn without_instances(&self) -> Self {
+        let mut flat = self.clone();
+        let mesh = |instance: &Instance| instance.mesh(&self.shapes[instance.shape.0 as usize]);
+        flat.meshes.extend(self.instances.iter().map(mesh));
+        (flat.shapes, flat.instances) = (Vec::new(), Vec::new());
+        flat
     }
 
     /// Adds a lamp.
@@ -140,10 +188,42 @@ impl Scene {
         bodies
     }
 
-    /// How many triangles it has, two for each quad light included.
+    /// How many triangles it has, those of all instances and two for each quad light included.
     pub fn triangle_count(&self) -> usize {
         let of_meshes: usize = self.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-        of_meshes + 2 * self.quad_lights.len()
+        let of_instances: usize = self.placed_shapes().map(|shape| shape.triangles.len()).sum();
+        of_meshes + of_instances + 2 * self.quad_lights.len()
+    }
+
+    /// The shape of each instance, as far as it is there.
+    fn placed_shapes(&self) -> impl Iterator<Item = &Mesh> {
+        self.instances.iter().filter_map(|instance| self.shapes.get(instance.shape.0 as usize))
+    }
+
+    /// The lowest and the highest corner of the box around all meshes and instances; none without
+    /// any. Instances are taken to be as large as the boxes of their shapes.
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let both = self.outermost().map(|corner| (corner, corner));
+        let (low, high) = both.reduce(|(low, high), (a, b)| (low.min(a), high.max(b)))?;
+        Some([low, high])
+    }
+
+    /// Points around all meshes and instances: the corners of triangles, and of the boxes that
+    /// shapes stand in.
+    pub(super) fn outermost(&self) -> impl Iterator<Item = Vec3> {
+        let boxes: Vec<[DVec3; 2]> = self.shapes.iter().map(Mesh::bounds).collect();
+        let corners = self.instances.iter().filter_map(move |&Instance { shape, transform }| {
+            let sides = *boxes.get(shape.0 as usize)?;
+            Some((0..8_usize).map(move |bits| {
+                let side = |axis: usize| sides[bits >> axis & 1][axis];
+                transform.transform_point3(DVec3::new(side(0), side(1), side(2))).as_vec3()
+            }))
+        });
+        let of_meshes = self
+            .meshes
+            .iter()
+            .flat_map(|mesh| (0..mesh.triangles.len()).flat_map(|at| mesh.corners(at)));
+        of_meshes.chain(corners.flatten())
     }
 
     /// Whether anything emits light, the background and the environment included. Materials that
@@ -152,7 +232,8 @@ impl Scene {
         let radiance = |id: MaterialId| {
             self.materials.get(id.0 as usize).map_or(Vec3::ZERO, Material::radiance)
         };
-        let meshes = self.meshes.iter().filter(|mesh| !mesh.triangles.is_empty());
+        let meshes = self.meshes.iter().chain(self.placed_shapes());
+        let meshes = meshes.filter(|mesh| !mesh.triangles.is_empty());
         let surfaces = meshes.map(|mesh| radiance(mesh.material));
         let quads = self.quad_lights.iter().map(|light| light.radiance);
         let points = self.punctual_lights.iter().map(PunctualLight::colour);

@@ -28,11 +28,17 @@ pub(super) fn load_bytes(
     file: SceneBytes<'_>,
     options: LoadOptions,
 ) -> Result<Scene, SceneError> {
-    match Format::of(file.path, file.bytes) {
+    let (format, name) = (Format::of(file.path, file.bytes), file.path.display());
+    let mut scene = match format {
         Format::Json => json::load(source, file, options),
         Format::Gltf => gltf::load(source, file, options),
         Format::Ply => ply::load(file, options),
+    }?;
+    if options.at.is_some() && format != Format::Gltf {
+        let what = "nothing in it moves: whatever the time, it is shown as it stands";
+        scene.warnings.push(format!("{name}: {what}."));
     }
+    Ok(scene)
 }
 
 /// A format of scenes.

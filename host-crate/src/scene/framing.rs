@@ -24,17 +24,10 @@ pub(super) fn frame(scene: &mut Scene) {
 
 /// A camera that sees all of the meshes in a picture of the film's size.
 fn around(scene: &Scene) -> Camera {
-    let corners = || {
-        scene
-            .meshes
-            .iter()
-            .flat_map(|mesh| (0..mesh.triangles.len()).flat_map(|at| mesh.corners(at)))
-    };
-    let (low, high) = corners()
-        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
-    if !low.is_finite() || !high.is_finite() || low == high {
+    let corners = || scene.outermost();
+    let Some([low, high]) = scene.bounds().filter(|[low, high]| low != high) else {
         return Camera::new(TOWARDS_CAMERA, Vec3::ZERO, FOV_Y);
-    }
+    };
     let middle = low * 0.5 + high * 0.5;
     let back = TOWARDS_CAMERA.normalize();
     let right = Vec3::Y.cross(back).normalize();

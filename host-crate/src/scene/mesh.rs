@@ -1,7 +1,7 @@
 //! Triangles of one material.
 
 use super::material::MaterialId;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// Triangles of one material. The front of a triangle is the side from which its corners run
 /// counter-clockwise.
@@ -34,6 +34,14 @@ impl Mesh {
     /// When there is no such triangle or position.
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
         self.triangles[triangle].map(|corner| self.positions[corner as usize])
+    }
+
+    /// The lowest and the highest corner of the box around its triangles; zero without any.
+    pub(super) fn bounds(&self) -> [DVec3; 2] {
+        let corners = (0..self.triangles.len()).flat_map(|triangle| self.corners(triangle));
+        let both = corners.map(|p| (p.as_dvec3(), p.as_dvec3()));
+        let found = both.reduce(|(low, high), (a, b)| (low.min(a), high.max(b)));
+        found.map_or([DVec3::ZERO; 2], |(low, high)| [low, high])
     }
 
     /// Keeps the triangles with these corners only.

@@ -125,7 +125,8 @@ mod tests {
         // The header promises 16384x16384 pixels.
         bytes[18..26].copy_from_slice(&[0, 0x40, 0, 0, 0, 0x40, 0, 0]);
         std::fs::write(&path, bytes).unwrap();
-        let mut pictures = Pictures::new(LoadOptions { max_memory: 64 << 20 });
+        let mut pictures =
+            Pictures::new(LoadOptions { max_memory: 64 << 20, ..LoadOptions::default() });
         let error = pictures.load(&Disk, &path).unwrap_err().to_string();
         assert!(error.contains("large.bmp") && error.contains("limit"), "{error}");
         let mut full = Pictures { texels: MAX_TEXELS, ..Pictures::new(LoadOptions::default()) };

@@ -43,6 +43,9 @@ pub const MEDIA: u32 = 1 << 9;
 /// Principled surfaces are [conductors](crate::scene::bsdf::conductor).
 pub const CONDUCTORS: u32 = 1 << 10;
 
+/// Shapes have [instances](crate::scene::bvh::instance).
+pub const INSTANCES: u32 = 1 << 11;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

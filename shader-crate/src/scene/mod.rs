@@ -1,7 +1,7 @@
 //! A scene on the device: three buffers, the parameters that say what lies where, and views.
 //!
 //! ```text
-//! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene
+//! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene | instances
 //! surfaces: triangles, for shading | attributes | materials | lights | albedos of surfaces
 //!           | layers | albedos of boundaries and of sheen, conductors | maps of emission | bodies
 //! texels:   textures, see `texture` | environment, see `environment`
@@ -35,7 +35,7 @@ use bvh::{BvhView, Order};
 use environment::EnvironmentView;
 use light::{Light, LightView};
 use media::{Body, Media, MediaView, Sides};
-use ray::{Hit, NO_END, Ray, offset_distance};
+use ray::{Hit, NO_END, Ray};
 use surface::SurfaceView;
 use texture::TextureView;
 
@@ -71,8 +71,8 @@ device_struct! {
         pub first_emission_map: u32,
         /// Row of `surfaces` with the header of the [bodies](media), or [`media::NO_MEDIA`].
         pub first_media: u32,
-        /// Unused; zero.
-        pub pad: u32,
+        /// Row of `geometry` with the header of the [instances](bvh::instance).
+        pub first_instance: u32,
     }
 }
 
@@ -86,7 +86,7 @@ pub trait TracingParams {
 #[derive(Clone, Copy)]
 pub struct SceneView<'a, A> {
     /// The geometry, to trace rays through.
-    pub bvh: BvhView<'a>,
+    pub bvh: BvhView<'a, A>,
     /// What rays hit.
     pub surfaces: SurfaceView<'a, A>,
     /// What emits.
@@ -106,7 +106,8 @@ impl<'a, A: Abilities> SceneView<'a, A> {
         surfaces: &'a [UVec4],
         texels: &'a [u32],
     ) -> Self {
-        let bvh = BvhView::new(geometry, params.first_planes, params.first_order);
+        let places = [params.first_planes, params.first_order, params.first_instance];
+        let bvh = BvhView::new(abilities, geometry, places);
         let textures = TextureView::new(texels);
         Self {
             bvh,
@@ -219,8 +220,10 @@ impl<'a, A: Abilities> SceneView<'a, A> {
     /// as far as the origin of a ray that goes on behind it would be.
     fn reach_of_touch(&self, ray: &Ray, hit: &Hit) -> f32 {
         let point = ray.origin + ray.direction * hit.t;
-        let distance = offset_distance(self.surfaces.offset_roundings, point.abs().max_element());
-        let normal = self.bvh.plane(hit.triangle).normal;
+        let place = self.bvh.place(hit.triangle);
+        let clearance = self.surfaces.clearance(place.instance);
+        let distance = clearance.distance(point.abs().max_element());
+        let normal = self.bvh.plane_at(&place).normal;
         distance / ray.direction.dot(normal).abs().max(f32::MIN_POSITIVE)
     }
 

@@ -73,6 +73,34 @@ pub fn offset_distance(offset_roundings: f32, magnitude: f32) -> f32 {
     offset_roundings * UNIT_ROUNDOFF * magnitude
 }
 
+/// How far off a surface rays start.
+#[derive(Clone, Copy)]
+pub struct Clearance {
+    /// In roundings of the largest coordinate: [`OFFSET_ROUNDINGS`], or more in an
+    /// [instance](crate::scene::bvh::instance), whose hits have the roundings of its transform
+    /// besides.
+    pub roundings: f32,
+    /// What is added to the largest coordinate, in world units: 0 but in an instance, whose shape
+    /// has roundings of its own extent.
+    pub spread: f32,
+}
+
+impl Clearance {
+    /// That of what is in no instance.
+    #[inline(always)]
+    pub fn of_world(offset_roundings: f32) -> Self {
+        Self { roundings: offset_roundings, spread: 0.0 }
+    }
+
+    /// The distance in world units at a point whose largest coordinate is `magnitude`.
+    #[inline(always)]
+    pub fn distance(&self, magnitude: f32) -> f32 {
+        // No sum where it is 0, which is known when a kernel without instances is compiled.
+        let reach = if self.spread == 0.0 { magnitude } else { magnitude + self.spread };
+        offset_distance(self.roundings, reach)
+    }
+}
+
 /// A point on a surface, from which rays leave.
 ///
 /// How far off the surface a ray has to start follows from the point alone, and not from the
@@ -93,15 +121,16 @@ pub fn offset_distance(offset_roundings: f32, magnitude: f32) -> f32 {
 ///   triangle that a ray leaves is not hit again.
 /// - Rounding `n` and `c` to f32 puts a plane at most 3.5 u M off the triangle, here its neighbour
 ///   in the same plane and itself: 20.8 u M in all.
+///
+/// Of instances the host works out how much there is besides, see [`Clearance`].
 #[derive(Clone, Copy)]
 pub struct SurfacePoint {
     /// Where, in world units.
     pub position: Vec3,
     /// Unit normal of the triangle, of either sign.
     pub normal: Vec3,
-    /// How far rays that leave start from the surface, in roundings of the largest coordinate:
-    /// [`OFFSET_ROUNDINGS`].
-    pub offset_roundings: f32,
+    /// How far rays that leave start from the surface.
+    pub clearance: Clearance,
 }
 
 impl SurfacePoint {
@@ -122,7 +151,7 @@ impl SurfacePoint {
     }
 
     fn moved(&self, direction: Vec3, magnitude: f32) -> Vec3 {
-        let distance = offset_distance(self.offset_roundings, magnitude);
+        let distance = self.clearance.distance(magnitude);
         let signed = if direction.dot(self.normal) < 0.0 { -distance } else { distance };
         self.position + self.normal * signed
     }

@@ -4,14 +4,15 @@ use crate::glam::{UVec4, Vec3};
 use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::math::random::{hash, unit_float};
 use crate::memory::rows::{four_rows, six_rows, three_rows, two_rows};
-use crate::scene::abilities::{Abilities, EMISSION_MAPS, MEDIA, PRINCIPLED, TEXTURES};
+use crate::scene::abilities::{Abilities, EMISSION_MAPS, INSTANCES, MEDIA, PRINCIPLED, TEXTURES};
 use crate::scene::bsdf::albedo::{self, AlbedoView};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
 use crate::scene::bvh::BvhView;
+use crate::scene::bvh::instance::{NO_INSTANCE, Place};
 use crate::scene::light::importance;
 use crate::scene::media::{Body, Interface, Media, MediaView, Sides};
-use crate::scene::ray::{Hit, Ray, SurfacePoint};
+use crate::scene::ray::{Clearance, Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
 use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, Triangle};
 #[cfg(target_arch = "spirv")]
@@ -26,7 +27,7 @@ pub struct SurfaceView<'a, A> {
     /// The scene's buffer `surfaces`, see [`crate::scene`].
     pub rows: &'a [UVec4],
     /// The geometry, which has the triangles' planes.
-    pub bvh: BvhView<'a>,
+    pub bvh: BvhView<'a, A>,
     /// Row of the first attributes.
     pub first_attributes: u32,
     /// Row of the first material.
@@ -44,26 +45,65 @@ pub struct SurfaceView<'a, A> {
 }
 
 impl<'a, A: Abilities> SurfaceView<'a, A> {
-    /// The triangle number `index`, in the order of the BVH's leaves.
-    pub fn triangle(&self, index: u32) -> Triangle {
-        Triangle::from_rows(two_rows(self.rows, index * Triangle::ROWS))
+    /// The triangle of a leaf entry.
+    pub fn triangle(&self, entry: u32) -> Triangle {
+        Triangle::from_rows(two_rows(self.rows, entry * Triangle::ROWS))
     }
 
-    /// The point of `triangle` where `ray` made `hit`.
-    pub fn point(&self, triangle: &Triangle, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let plane = self.bvh.plane(hit.triangle);
-        SurfacePoint {
-            position: triangle.point(&plane, ray, hit, self.offset_roundings),
-            normal: plane.normal,
-            offset_roundings: self.offset_roundings,
+    /// The point of the `triangle` at `place` where `ray` made `hit`.
+    #[inline(always)]
+    pub fn point(&self, place: &Place, triangle: &Triangle, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let plane = self.bvh.plane_at(place);
+        let clearance = self.clearance(place.instance);
+        let position = if self.bvh.is_in_instance(place) {
+            self.position_in_instance(place, triangle, ray, hit)
+        } else {
+            triangle.point(&plane, ray, hit, self.offset_roundings)
+        };
+        SurfacePoint { position, normal: plane.normal, clearance }
+    }
+
+    /// The same in world units of a triangle of an instance, where it is found in the space of the
+    /// shape.
+    fn position_in_instance(
+        &self,
+        place: &Place,
+        triangle: &Triangle,
+        ray: &Ray,
+        hit: &Hit,
+    ) -> Vec3 {
+        let instances = self.bvh.instances();
+        let inside = instances.ray(place.instance, ray);
+        let outward = instances.outward(place.instance);
+        let point = inside.origin + inside.direction * hit.t;
+        let clearance = self.clearance(place.instance);
+        let here = outward.point(point).abs().max_element() + clearance.spread;
+        let offset = clearance.roundings * here * instances.measures(place.instance).scale;
+        let reach = inside.origin.abs().max(point.abs()).max_element();
+        let plane = self.bvh.plane_of_entry(place.entry);
+        outward.point(triangle.inset(&plane, point, hit, [offset, reach]))
+    }
+
+    /// How far rays start from surfaces of an instance, or of what is in none.
+    #[inline(always)]
+    pub fn clearance(&self, instance: u32) -> Clearance {
+        let of_world = Clearance::of_world(self.offset_roundings);
+        if !self.abilities.has(INSTANCES) || instance == NO_INSTANCE {
+            return of_world;
         }
+        let measures = self.bvh.instances().measures(instance);
+        Clearance { roundings: of_world.roundings * measures.factor, spread: measures.spread }
     }
 
-    fn attributes(&self, index: u32) -> Attributes {
-        Attributes::from_rows(four_rows(
-            self.rows,
-            self.first_attributes + index * Attributes::ROWS,
-        ))
+    /// Attributes of a triangle of an instance, or of none, as they are in the world.
+    #[inline(always)]
+    fn attributes(&self, index: u32, instance: u32) -> Attributes {
+        let rows = four_rows(self.rows, self.first_attributes + index * Attributes::ROWS);
+        let attributes = Attributes::from_rows(rows);
+        if self.abilities.has(INSTANCES) && instance != NO_INSTANCE {
+            return self.bvh.instances().attributes(instance, &attributes);
+        }
+        attributes
     }
 
     /// What the principled material number `index` has beside [`Self::material`].
@@ -75,7 +115,7 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
     /// Whether there is a hole where `ray` made `hit`. What is half transparent has holes by
     /// chance, which the ray's own bits decide.
     pub fn is_hole(&self, ray: &Ray, hit: &Hit) -> bool {
-        let triangle = self.triangle(hit.triangle);
+        let triangle = self.triangle(self.bvh.place(hit.triangle).entry);
         let material = self.material(triangle.material);
         if material.kind.0 != MaterialKind::PRINCIPLED.0 {
             return false;
@@ -87,7 +127,7 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
         let mut alpha = layers.alpha;
         let is_textured = material.texture != NO_TEXTURE && triangle.attributes != NO_ATTRIBUTES;
         if self.abilities.has(TEXTURES) && is_textured {
-            let uv = self.attributes(triangle.attributes).uv(hit);
+            let uv = self.attributes(triangle.attributes, NO_INSTANCE).uv(hit);
             alpha *= self.textures.codes(material.texture, uv.x, uv.y).w;
         }
         let Vec3 { x, y, z } = ray.direction;
@@ -103,7 +143,7 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
 
     /// The body behind the front of what `hit` is on.
     pub fn body(&self, hit: &Hit) -> Body {
-        self.media.body(self.triangle(hit.triangle).material)
+        self.media.body(self.triangle(self.bvh.place(hit.triangle).entry).material)
     }
 
     /// What bounds the body of the material number `index`, seen `from_front`, against what is on
@@ -145,6 +185,8 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
 pub struct Surface<'a, F> {
     /// Where it is, and how a ray leaves it.
     pub point: SurfacePoint,
+    /// The instance that it is on, or [`NO_INSTANCE`].
+    pub instance: u32,
     /// Whether the ray came from the front of the triangle, the side that emits.
     pub from_front: bool,
     /// What is on both sides.
@@ -161,8 +203,9 @@ impl<'a, F: Abilities> Surface<'a, F> {
     /// The surface at `hit`, which `ray` made and which [is some](Hit::is_some), with what is on
     /// its two sides.
     pub fn at(surfaces: &SurfaceView<'a, F>, ray: &Ray, hit: &Hit, sides: Sides) -> Self {
-        let triangle = surfaces.triangle(hit.triangle);
-        let point = surfaces.point(&triangle, ray, hit);
+        let place = surfaces.bvh.place(hit.triangle);
+        let triangle = surfaces.triangle(place.entry);
+        let point = surfaces.point(&place, &triangle, ray, hit);
         let geometric = point.normal;
         let mut material = surfaces.material(triangle.material);
         let is_principled =
@@ -174,7 +217,7 @@ impl<'a, F: Abilities> Surface<'a, F> {
         let mut mapped_importance = -1.0;
         let mut shading = geometric;
         if triangle.attributes != NO_ATTRIBUTES {
-            let a = surfaces.attributes(triangle.attributes);
+            let a = surfaces.attributes(triangle.attributes, place.instance);
             shading = a.normal(hit, geometric);
             if surfaces.abilities.has(TEXTURES) {
                 let uv = a.uv(hit);
@@ -203,17 +246,13 @@ impl<'a, F: Abilities> Surface<'a, F> {
         }
         let from_outside = ray.direction.dot(shading) < 0.0;
         let normal = if from_outside { shading } else { -shading };
+        let (albedos, abilities) = (surfaces.albedos(), surfaces.abilities);
         Self {
             point,
+            instance: place.instance,
             from_front,
             sides,
-            bsdf: material.bsdf(
-                normal,
-                from_outside,
-                layers,
-                surfaces.albedos(),
-                surfaces.abilities,
-            ),
+            bsdf: material.bsdf(normal, from_outside, layers, albedos, abilities),
             emission: material.emission,
             mapped_importance,
         }

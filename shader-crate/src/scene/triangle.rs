@@ -148,11 +148,18 @@ impl Triangle {
     /// moved onto the plane, from which it is too far if the ray came from far away.
     #[inline(always)]
     pub fn point(&self, plane: &Plane, ray: &Ray, hit: &Hit, offset_roundings: f32) -> Vec3 {
-        let mut point = ray.origin + ray.direction * hit.t;
+        let point = ray.origin + ray.direction * hit.t;
         let here = point.abs().max_element();
         let reach = ray.origin.abs().max_element().max(here);
-        let distance =
-            UNIT_ROUNDOFF * (INSET_OFFSETS * offset_roundings * here + INSET_ROUNDINGS * reach);
+        self.inset(plane, point, hit, [offset_roundings * here, reach])
+    }
+
+    /// The point of the triangle that `ray` has hit near `point`: off the edges by what rays start
+    /// off the surface, in roundings, and by those of what is as far as `reach` from the origin.
+    #[inline(always)]
+    pub fn inset(&self, plane: &Plane, point: Vec3, hit: &Hit, [offset, reach]: [f32; 2]) -> Vec3 {
+        let mut point = point;
+        let distance = UNIT_ROUNDOFF * (INSET_OFFSETS * offset + INSET_ROUNDINGS * reach);
         // Each edge is as far away as its height times how much a barycentric coordinate is above
         // `least`. At the centroid all three are a third.
         let margin = distance * self.narrowness;

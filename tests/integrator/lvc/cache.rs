@@ -150,6 +150,7 @@ fn a_vertex_survives_its_rows() {
         normal: Vec3::NEG_Y,
         segments: 3,
         flux: Vec3::new(0.1, 0.0, 1e9),
+        instance: 7,
     };
     assert_eq!(LightVertex::from_rows(vertex.to_rows()), vertex);
 }

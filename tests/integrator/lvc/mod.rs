@@ -3,5 +3,5 @@
 mod agreement;
 mod cache;
 mod light_tracing;
-mod renders;
+pub mod renders;
 mod weights;

@@ -9,8 +9,9 @@ use raystream_shaders::integrator::lvc::mis::{
 use raystream_shaders::math::random::{hash, unit_float};
 use raystream_shaders::scene::abilities::{BASIC, Fixed};
 use raystream_shaders::scene::bsdf::{BsdfSample, Material, MaterialKind};
+use raystream_shaders::scene::bvh::instance::NO_INSTANCE;
 use raystream_shaders::scene::media::{Media, Sides};
-use raystream_shaders::scene::ray::SurfacePoint;
+use raystream_shaders::scene::ray::{Clearance, SurfacePoint};
 use raystream_shaders::scene::surface::Surface;
 use raystream_tests::materials::{bsdf, diffuse, glass, mirror};
 use std::f64::consts::PI;
@@ -211,8 +212,9 @@ impl Path {
             point: SurfacePoint {
                 position: vertex.position,
                 normal: vertex.geometric,
-                offset_roundings: 1.0,
+                clearance: Clearance::of_world(1.0),
             },
+            instance: NO_INSTANCE,
             from_front: incoming.dot(vertex.geometric) < 0.0,
             bsdf: bsdf(
                 &vertex.material,

@@ -54,7 +54,8 @@ fn files_of_other_kinds_are_named() {
 
 #[test]
 fn what_takes_too_much_memory_is_refused() {
-    let options = |max_memory| raystream::scene::LoadOptions { max_memory };
+    use raystream::scene::LoadOptions;
+    let options = |max_memory| LoadOptions { max_memory, ..LoadOptions::default() };
     let folder = SceneFolder::new().with("a.obj", format!("{OBJ}{}", "f 1 2 3\n".repeat(100_000)));
     let path = folder.path("scene.json");
     let message = options(32 << 20).load(&path).unwrap_err().to_string();

@@ -177,7 +177,7 @@ fn errors_say_where_a_file_is_wrong() {
 fn what_takes_too_much_memory_is_refused() {
     let load = |gltf: &Gltf, max_memory| {
         let files: BTreeMap<_, _> = [("a.glb".into(), gltf.glb())].into();
-        LoadOptions { max_memory }.load_files(&files, Path::new("a.glb"))
+        LoadOptions { max_memory, ..LoadOptions::default() }.load_files(&files, Path::new("a.glb"))
     };
     let mut gltf = Gltf::triangle();
     // A thousand million copies, all in one place, of no bytes.

@@ -1,16 +1,11 @@
 //! Triangles, and where they lie.
 
-use super::assert_warns;
+use super::{assert_warns, corners};
 use glam::Vec3;
-use raystream::scene::Scene;
+use raystream::scene::{Instancing, LoadOptions, Scene, SceneError};
 use raystream_tests::gltf::{Gltf, I16, U8};
 use serde_json::{Value, json};
-
-/// The corners of all triangles.
-fn corners(scene: &Scene) -> Vec<[Vec3; 3]> {
-    let meshes = scene.meshes.iter();
-    meshes.flat_map(|mesh| (0..mesh.triangles.len()).map(|at| mesh.corners(at))).collect()
-}
+use std::path::Path;
 
 /// A mesh of these positions, changed, in a scene.
 fn with(positions: &[[f32; 3]], change: impl FnOnce(&mut Gltf, &mut Value)) -> Gltf {
@@ -144,6 +139,65 @@ fn instances_are_nodes() {
     instanced.json["accessors"][scaling]["count"] = json!(1);
     let message = instanced.load().unwrap_err().to_string();
     assert!(message.contains("EXT_mesh_gpu_instancing"), "{message}");
+}
+
+/// A mesh of sixteen triangles, which two nodes and the three copies of a third one share.
+fn copied() -> Gltf {
+    let indices: Vec<u16> = [0, 1, 2].repeat(16);
+    let mut gltf = with(&FIVE, |gltf, p| p["indices"] = json!(gltf.indices(&indices)));
+    gltf.node(json!({"mesh": 0, "translation": [5, 0, 0], "scale": [-2, 1, 1]}));
+    let places = gltf.floats(&[[0.0, 7.0, 0.0], [0.0, 8.0, 0.0], [0.0, 9.0, 0.0]]);
+    gltf.node(json!({"mesh": 0, "extensions":
+        {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places}}}}));
+    gltf
+}
+
+fn loaded(gltf: &Gltf, instancing: Instancing, max_memory: u64) -> Result<Scene, SceneError> {
+    let files = [("a.glb".into(), gltf.glb())].into();
+    let options = LoadOptions { max_memory, instancing, ..LoadOptions::default() };
+    options.load_files(&files, Path::new("a.glb"))
+}
+
+#[test]
+fn copies_are_kept_once_where_that_is_wanted() {
+    let of = |gltf: &Gltf, instancing| loaded(gltf, instancing, 256 << 20).unwrap();
+    let kept = of(&copied(), Instancing::Always);
+    let counts = (kept.meshes.len(), kept.shapes.len(), kept.instances.len());
+    assert_eq!(counts, (0, 1, 5));
+    for instancing in [Instancing::Auto, Instancing::Never] {
+        let repeated = of(&copied(), instancing);
+        assert_eq!((repeated.meshes.len(), repeated.instances.len()), (5, 0));
+        assert_eq!(repeated.meshes, kept.without_instances().meshes);
+        assert_eq!(repeated.triangle_count(), kept.triangle_count());
+        // Without a camera of its own the same is seen.
+        assert_eq!(repeated.bounds(), kept.bounds());
+    }
+    let mut lamps = copied();
+    lamps.json["materials"] = json!([{"emissiveFactor": [1, 1, 1]}]);
+    lamps.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    assert_eq!(of(&lamps, Instancing::Always).instances.len(), 0);
+    let mut flat = copied();
+    flat.json["nodes"][2]["scale"] = json!([1, 1, 0]);
+    let flat = of(&flat, Instancing::Always);
+    assert_eq!((flat.meshes.len(), flat.instances.len()), (1, 4));
+}
+
+/// What is kept once takes the memory of one, and what is repeated of all.
+#[test]
+fn copies_that_take_too_much_memory_are_refused() {
+    let mut gltf = copied();
+    let places: Vec<[f32; 3]> = (0..2000).map(|k| [k as f32, 0.0, 0.0]).collect();
+    let places = gltf.floats(&places);
+    let instancing = &mut gltf.json["nodes"][3]["extensions"]["EXT_mesh_gpu_instancing"];
+    instancing["attributes"]["TRANSLATION"] = json!(places);
+    let memory = 6 << 20;
+    assert!(loaded(&gltf, Instancing::Always, memory).is_ok());
+    let refused = loaded(&gltf, Instancing::Never, memory).unwrap_err().to_string();
+    assert!(refused.contains("memory"), "{refused}");
+    let mut far = copied();
+    far.json["nodes"][2]["translation"] = json!([3e9, 0, 0]);
+    let message = loaded(&far, Instancing::Always, 256 << 20).unwrap_err().to_string();
+    assert!(message.contains("an instance is more than"), "{message}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! glTF files become the scenes that they mean, or errors that say where they are wrong.
 
+mod animation;
 mod broken;
 mod geometry;
 mod materials;
@@ -7,7 +8,14 @@ mod models;
 mod picture;
 mod surroundings;
 
+use glam::Vec3;
 use raystream::scene::Scene;
+
+/// The corners of all triangles.
+fn corners(scene: &Scene) -> Vec<[Vec3; 3]> {
+    let meshes = scene.meshes.iter();
+    meshes.flat_map(|mesh| (0..mesh.triangles.len()).map(|at| mesh.corners(at))).collect()
+}
 
 #[track_caller]
 fn assert_warns(scene: &Scene, parts: &[&str]) {

@@ -4,8 +4,8 @@ use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
-    Attenuation, Camera, Channel, Conductor, Lens, Maps, Material, Opacity, Principled, Projection,
-    PunctualLight, Reflectance, Scene, TextureId,
+    Attenuation, Camera, Channel, Conductor, Instance, Lens, Maps, Material, Opacity, Principled,
+    Projection, PunctualLight, Reflectance, Scene, TextureId,
 };
 use sha2::{Digest, Sha256};
 
@@ -69,7 +69,7 @@ impl Identity {
 /// Its name, its background and its limits are not.
 fn scene_digest(scene: &Scene) -> String {
     let mut hasher = Sha256::new();
-    for mesh in &scene.meshes {
+    for mesh in scene.meshes.iter().chain(&scene.shapes) {
         add(&mut hasher, &[mesh.material.0]);
         add(&mut hasher, &mesh.positions);
         add(&mut hasher, mesh.triangles.as_flattened());
@@ -101,6 +101,14 @@ fn scene_digest(scene: &Scene) -> String {
     add_projection(&mut hasher, projection);
     for light in &scene.punctual_lights {
         add_punctual_light(&mut hasher, light);
+    }
+    // Of scenes without any, digests are as they were.
+    if !scene.shapes.is_empty() {
+        add(&mut hasher, &[scene.shapes.len() as u64]);
+        for Instance { shape, transform } in &scene.instances {
+            add(&mut hasher, &[shape.0]);
+            add(&mut hasher, &transform.to_cols_array());
+        }
     }
     hex(&hasher.finalize())
 }

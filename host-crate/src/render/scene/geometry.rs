@@ -2,20 +2,38 @@
 
 use super::scene_triangle::SceneTriangle;
 use super::triangles::Functions;
+use crate::scene::instance::may_have_instances;
 use crate::scene::mesh::has_area;
 use crate::scene::{Mesh, Scene};
-use glam::{Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+use obvhs::aabb::Aabb;
 use rayon::slice::ParallelSliceMut;
 use raystream_shaders::math::packed::{NO_TANGENT, Tangent};
 use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES};
+use std::collections::HashSet;
 
-/// The triangles of a scene: of its meshes in order, then two of each quad light.
+/// The triangles of a scene.
 #[derive(Default)]
 pub struct Geometry {
-    /// Those with an area.
-    pub triangles: Vec<SceneTriangle>,
+    /// Those of its meshes in order, of what of its instances is repeated, and two of each quad
+    /// light. The numbers count those that are left out, and those of shapes in each instance.
+    pub world: Triangles,
+    /// Those of shapes that have instances.
+    pub shapes: Vec<Shape>,
+    /// The instances of these.
+    pub placed: Vec<Placed>,
     /// What [`SceneTriangle::attributes`] points to.
     pub attributes: Vec<Attributes>,
+    /// How many triangles are in instances that stand where an earlier one of the same shape does,
+    /// and are left out.
+    pub copies: usize,
+}
+
+/// Triangles in one space, those with an area.
+#[derive(Default)]
+pub struct Triangles {
+    /// In the order of their numbers.
+    pub triangles: Vec<SceneTriangle>,
     /// How many had no area, or were thinner than the roundings of their own corners, and are left
     /// out.
     pub degenerate: usize,
@@ -25,19 +43,46 @@ pub struct Geometry {
     pub copies: usize,
 }
 
+/// The triangles of a shape.
+pub struct Shape {
+    /// With the shape's middle at the origin if it is far from there.
+    pub own: Triangles,
+    /// What was taken off the corners.
+    pub middle: DVec3,
+}
+
+/// An instance of a shape that is not repeated.
+pub struct Placed {
+    /// Index into [`Geometry::shapes`].
+    pub shape: usize,
+    /// From there to the world.
+    pub transform: DAffine3,
+    /// The number in the scene of its first triangle.
+    pub first_in_scene: u32,
+}
+
+/// A shape may be so many times its own extent from the origin of its space. Farther away, an f32
+/// would lose digits that it has near it.
+const MAX_DISTANCE: f32 = 2.0;
+
 /// Gathers the triangles of a scene that was checked. The material of the `n`-th quad light follows
 /// those of the scene, `n` after them.
 pub fn gather(scene: &Scene) -> Geometry {
     let mut geometry = Geometry::default();
+    let bodies = bodies_apart(scene);
+    let mut number = 0;
     for mesh in &scene.meshes {
-        geometry.add_mesh(mesh);
+        number = geometry.world.add_mesh(mesh, number, &mut geometry.attributes);
     }
+    number = geometry.add_instances(scene, number, &bodies);
     for (material, light) in (scene.materials.len() as u32..).zip(&scene.quad_lights) {
         for corners in light.triangles() {
-            geometry.add_triangle(corners, material, None);
+            let attributes = NO_ATTRIBUTES;
+            geometry.world.add(SceneTriangle { corners, material, attributes, number });
+            number += 1;
         }
     }
-    geometry.leave_out_copies(&bodies_apart(scene));
+    geometry.world.leave_out_copies(&bodies);
     geometry
 }
 
@@ -51,35 +96,121 @@ fn bodies_apart(scene: &Scene) -> Vec<u32> {
 }
 
 impl Geometry {
-    fn add_mesh(&mut self, mesh: &Mesh) {
-        for index in 0..mesh.triangles.len() {
-            let normals = mesh.normals.as_ref().map(|normals| normals[index]);
-            let coordinates = mesh.texture_coordinates.as_ref().map(|uvs| uvs[index]);
-            let wanted = normals.is_some() || coordinates.is_some();
-            let corners = mesh.corners(index);
-            let attributes = wanted.then(|| Attributes {
-                tangent: coordinates.map_or(NO_TANGENT, |uvs| tangent(corners, uvs)),
-                ..attributes(normals.unwrap_or_default(), coordinates.unwrap_or_default())
-            });
-            self.add_triangle(corners, mesh.material.0, attributes);
-        }
+    /// How many triangles are left out because they have no area.
+    pub fn degenerate(&self) -> usize {
+        self.all().map(|triangles| triangles.degenerate).sum()
     }
 
-    fn add_triangle(&mut self, corners: [Vec3; 3], material: u32, attributes: Option<Attributes>) {
-        if !has_area(corners) || Functions::of(corners).is_thin() {
-            self.degenerate += 1;
-            return;
+    /// How many triangles are left out because they are where others are.
+    pub fn copies(&self) -> usize {
+        self.all().map(|triangles| triangles.copies).sum::<usize>() + self.copies
+    }
+
+    /// The corners of the box around all, if there are instances; nothing else.
+    pub fn corners_of_instances(&self, bounds: Aabb) -> impl Iterator<Item = Vec3> {
+        let corners = [bounds.min, bounds.max].map(Vec3::from);
+        corners.into_iter().filter(|_| !self.placed.is_empty())
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Triangles> {
+        self.shapes.iter().map(|shape| &shape.own).chain([&self.world])
+    }
+
+    /// Adds the instances of a scene, from this number on; the number after them.
+    fn add_instances(&mut self, scene: &Scene, mut number: u32, bodies: &[u32]) -> u32 {
+        let mut shapes: Vec<Option<usize>> = vec![None; scene.shapes.len()];
+        let mut seen = HashSet::new();
+        for instance in &scene.instances {
+            let index = instance.shape.0 as usize;
+            let shape = &scene.shapes[index];
+            let material = &scene.materials[shape.material.0 as usize];
+            let first = number;
+            number += shape.triangles.len() as u32;
+            if !may_have_instances(material) || !instance.is_well_conditioned() {
+                let mesh = instance.mesh(shape);
+                self.world.add_mesh(&mesh, first, &mut self.attributes);
+                continue;
+            }
+            let columns = instance.transform.to_cols_array().map(f64::to_bits);
+            if !seen.insert((index, columns)) {
+                self.copies += shape.triangles.len();
+                continue;
+            }
+            let attributes = &mut self.attributes;
+            let place = *shapes[index].get_or_insert_with(|| {
+                self.shapes.push(Shape::of(shape, attributes, bodies));
+                self.shapes.len() - 1
+            });
+            let found = &self.shapes[place];
+            if !found.own.triangles.is_empty() {
+                let transform = instance.transform * DAffine3::from_translation(found.middle);
+                self.placed.push(Placed { shape: place, transform, first_in_scene: first });
+            }
         }
-        let index = match attributes {
-            Some(_) => self.attributes.len() as u32,
-            None => NO_ATTRIBUTES,
-        };
-        self.attributes.extend(attributes);
-        self.triangles.push(SceneTriangle { corners, material, attributes: index });
+        number
     }
 }
 
-impl Geometry {
+impl Shape {
+    fn of(mesh: &Mesh, attributes: &mut Vec<Attributes>, bodies: &[u32]) -> Self {
+        let mut own = Triangles::default();
+        own.add_mesh(mesh, 0, attributes);
+        own.leave_out_copies(bodies);
+        let corners = || own.triangles.iter().flat_map(|triangle| triangle.corners);
+        let low = corners().fold(Vec3::INFINITY, Vec3::min);
+        let high = corners().fold(Vec3::NEG_INFINITY, Vec3::max);
+        let (middle, extent) = (0.5 * (low + high), (high - low).max_element());
+        // Of nothing these are no numbers.
+        let is_far = middle.abs().max_element() > MAX_DISTANCE * extent;
+        if !is_far {
+            return Self { own, middle: DVec3::ZERO };
+        }
+        let middle = middle.as_dvec3();
+        for corner in own.triangles.iter_mut().flat_map(|triangle| &mut triangle.corners) {
+            *corner = (corner.as_dvec3() - middle).as_vec3();
+        }
+        Self { own, middle }
+    }
+}
+
+impl Triangles {
+    /// Adds those of a mesh, numbered from `first` on; the number after them.
+    fn add_mesh(&mut self, mesh: &Mesh, first: u32, attributes: &mut Vec<Attributes>) -> u32 {
+        for (index, number) in (0..mesh.triangles.len()).zip(first..) {
+            let normals = mesh.normals.as_ref().map(|normals| normals[index]);
+            let coordinates = mesh.texture_coordinates.as_ref().map(|uvs| uvs[index]);
+            let corners = mesh.corners(index);
+            let mut triangle = SceneTriangle {
+                corners,
+                material: mesh.material.0,
+                attributes: NO_ATTRIBUTES,
+                number,
+            };
+            if normals.is_some() || coordinates.is_some() {
+                triangle.attributes = attributes.len() as u32;
+            }
+            if self.add(triangle) && triangle.attributes != NO_ATTRIBUTES {
+                attributes.push(Attributes {
+                    tangent: coordinates.map_or(NO_TANGENT, |uvs| tangent(corners, uvs)),
+                    ..self::attributes(normals.unwrap_or_default(), coordinates.unwrap_or_default())
+                });
+            }
+        }
+        first + mesh.triangles.len() as u32
+    }
+
+    /// Adds a triangle if it has an area; whether it has.
+    fn add(&mut self, triangle: SceneTriangle) -> bool {
+        let SceneTriangle { corners, .. } = triangle;
+        let is_there = has_area(corners) && !Functions::of(corners).is_thin();
+        if is_there {
+            self.triangles.push(triangle);
+        } else {
+            self.degenerate += 1;
+        }
+        is_there
+    }
+
     fn leave_out_copies(&mut self, bodies: &[u32]) {
         let bits = |index: &u32| {
             let triangle = &self.triangles[*index as usize];
@@ -136,8 +267,11 @@ mod tests {
         mesh.normals = Some(vec![[Vec3::Z; 3], [Vec3::X; 3], [Vec3::NEG_Z; 3]]);
         scene.add_mesh(mesh);
         scene.add_quad_light(QuadLight::new(Vec3::Z, Vec3::X, Vec3::Y, Vec3::ONE));
-        let Geometry { triangles, attributes, degenerate, copies } = gather(&scene);
-        assert_eq!((degenerate, copies), (3, 2));
+        let geometry = gather(&scene);
+        assert_eq!((geometry.degenerate(), geometry.copies()), (3, 2));
+        let Geometry { world: Triangles { triangles, .. }, attributes, .. } = geometry;
+        let numbers: Vec<u32> = triangles.iter().map(|triangle| triangle.number).collect();
+        assert_eq!(numbers, [0, 2, 6, 8, 9, 10]);
         let names: Vec<_> = triangles.iter().map(|t| (t.material, t.attributes)).collect();
         let flat = NO_ATTRIBUTES;
         assert_eq!(names, [(0, flat), (0, flat), (0, 0), (0, 1), (1, flat), (1, flat)]);

@@ -6,6 +6,7 @@ pub mod camera;
 mod emission_maps;
 mod environment;
 mod geometry;
+mod hierarchies;
 mod lights;
 mod materials;
 mod media;
@@ -15,7 +16,7 @@ mod triangles;
 
 use self::bvh::BvhQuality;
 use self::environment::{Ball, PackedEnvironment};
-use self::geometry::Geometry;
+use self::hierarchies::Hierarchies;
 use self::lights::{Emitters, Lights};
 use self::materials::Tables;
 use self::media::PackedMedia;
@@ -26,13 +27,14 @@ use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::abilities::{
-    ALL, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, MEDIA, PRINCIPLED,
-    PUNCTUAL, TEXTURES,
+    ALL, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, INSTANCES, MEDIA,
+    PRINCIPLED, PUNCTUAL, TEXTURES,
 };
 use raystream_shaders::scene::bsdf::layers::Layers;
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
 use raystream_shaders::scene::light::{DIRECTION, Light, POINT};
 use raystream_shaders::scene::media::NO_MEDIA;
+use raystream_shaders::scene::ray::Hit;
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -48,10 +50,11 @@ pub struct PreparedScene {
     pub params: SceneParams,
     /// What the scene uses, see [`raystream_shaders::scene::abilities`].
     pub abilities: u32,
-    /// For each triangle in the order of the leaves, its number in the scene: those of the meshes
-    /// in order, then two for each quad light, those left out not counted. Triangles that were
-    /// split appear several times.
-    pub scene_triangles: Vec<u32>,
+    /// How many numbers [hits](raystream_shaders::scene::ray::Hit::triangle) have: one for each
+    /// triangle, those of all instances counted; more for those that were split.
+    pub numbers: u32,
+    /// How many instances are not repeated in memory.
+    pub instances: u32,
     /// How many triangles had no area or were thinner than the roundings of their own corners, and
     /// were left out.
     pub degenerate: usize,
@@ -71,43 +74,39 @@ impl PreparedScene {
     /// When [`Scene::check`] finds something.
     pub fn new(scene: &Scene, quality: BvhQuality) -> Result<Self, RenderError> {
         scene.check()?;
-        let Geometry { triangles, attributes, degenerate, copies } = geometry::gather(scene);
+        let from = geometry::gather(scene);
+        let triangles = &from.world.triangles;
         let textures = textures::pack(&scene.textures);
-        let mapped = emission_maps::of_triangles(scene, &triangles, &attributes, &textures);
+        let mapped = emission_maps::of_triangles(scene, triangles, &from.attributes, &textures);
         let Textures { words: mut texels, places } = textures;
         let materials = materials::table(scene, &places);
-        let bvh = bvh::build(&triangles, quality);
+        let mut params = SceneParams { background: scene.background, ..SceneParams::zeroed() };
+        let Hierarchies { geometry, shading: mut surfaces, numbers, instances, bounds } =
+            Hierarchies::build(&from, &mapped, quality, &mut params)?;
         let environment = scene.environment.as_ref().and_then(PackedEnvironment::new);
-        let ball = Ball::around(triangles.iter().flat_map(|triangle| triangle.corners));
+        let corners = triangles.iter().flat_map(|triangle| triangle.corners);
+        let ball = Ball::around(corners.chain(from.corners_of_instances(bounds)));
         let lights = lights::build(&Emitters {
-            triangles: &triangles,
+            triangles,
             materials: &materials,
             mapped: &mapped,
             punctual: &scene.punctual_lights,
             ball,
             environment: environment.as_ref().map(|it| it.power * ball.radius_squared()),
         });
-        let mut geometry = bvh.nodes;
-        let mut surfaces = triangles::shading(&triangles, &mapped, &bvh.order);
         let mut tables = Tables::new(scene.materials.len() as u32);
         let layers = materials::layered(scene, &places, &mut tables);
         let media = PackedMedia::new(scene, lights.table.len(), &mut tables);
-        let mut params = SceneParams {
-            background: scene.background,
-            lights: lights.table.len() as u32,
-            total_importance: lights.total_importance,
-            brightest: environment.as_ref().map_or(0.0, |e| e.brightest).max(lights.brightest),
-            environment: environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
-                packed.append(&mut texels, lights.environment_chance, ball)
-            }),
-            first_planes: append(&mut geometry, &triangles::planes(&triangles, &bvh.order)),
-            first_order: append(&mut geometry, &rows_of(&bvh.order)),
-            first_attributes: append(&mut surfaces, &attributes),
-            first_material: append(&mut surfaces, &materials),
-            first_light: append(&mut surfaces, &lights.table),
-            first_media: NO_MEDIA,
-            ..SceneParams::zeroed()
-        };
+        params.lights = lights.table.len() as u32;
+        params.total_importance = lights.total_importance;
+        params.brightest = environment.as_ref().map_or(0.0, |e| e.brightest).max(lights.brightest);
+        params.environment = environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
+            packed.append(&mut texels, lights.environment_chance, ball)
+        });
+        params.first_attributes = append(&mut surfaces, &from.attributes);
+        params.first_material = append(&mut surfaces, &materials);
+        params.first_light = append(&mut surfaces, &lights.table);
+        params.first_media = NO_MEDIA;
         append_layers(&mut surfaces, &layers, &tables);
         params.first_emission_map = append(&mut surfaces, &lights.maps);
         let mut prepared = Self {
@@ -116,12 +115,16 @@ impl PreparedScene {
             texels,
             params,
             abilities: abilities(scene, &params, &lights),
-            scene_triangles: bvh.order,
-            degenerate,
-            copies,
+            numbers,
+            instances,
+            degenerate: from.degenerate(),
+            copies: from.copies(),
             camera: scene.camera,
             limits: scene.limits,
         };
+        if instances > 0 {
+            prepared.abilities |= INSTANCES;
+        }
         if let Some(media) = &media {
             prepared.add_media(media, &lights);
         }
@@ -148,6 +151,12 @@ impl PreparedScene {
         copies.into_iter().chain(thin).collect()
     }
 
+    /// The number in the scene of the triangle of a hit, if that is one: those of the meshes count,
+    /// in order, then those of the instances, then two for each quad light.
+    pub fn scene_triangle(&self, hit: &Hit) -> Option<u32> {
+        hit.is_some().then(|| self.view().bvh.scene_triangle(hit.triangle))
+    }
+
     /// The scene as kernels see it, for the host. What is up to a render's settings is zero.
     pub fn view(&self) -> SceneView<'_, Fixed<ALL>> {
         SceneView::new(Fixed, &self.params, &self.geometry, &self.surfaces, &self.texels)
@@ -170,7 +179,7 @@ impl PreparedScene {
     }
 }
 
-/// What a scene uses, but for [`MEDIA`].
+/// What a scene uses, but for [`MEDIA`] and [`INSTANCES`].
 fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
     let has_textures = any(|material| material.textures().next().is_some());

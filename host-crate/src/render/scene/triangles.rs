@@ -5,14 +5,19 @@ use super::scene_triangle::SceneTriangle;
 use glam::{DVec3, UVec4, Vec3, Vec3A};
 use raystream_shaders::math::UNIT_ROUNDOFF;
 use raystream_shaders::memory::rows::row;
+use raystream_shaders::scene::bvh::instance::leaf_rows;
 use raystream_shaders::scene::bvh::node::BOX_ROUNDINGS;
 use raystream_shaders::scene::bvh::planes::Planes;
 use raystream_shaders::scene::triangle::Triangle;
 
 /// The rows for the test of the triangles of `order` (indices, some of them more than once), as
-/// [`raystream_shaders::scene::bvh::planes`] lays them out.
+/// [`raystream_shaders::scene::bvh::planes`] lays them out; where indices go on behind those of
+/// triangles, the rows of [instances](raystream_shaders::scene::bvh::instance).
 pub fn planes(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
-    let rows = |&index: &u32| Functions::of(triangles[index as usize].corners).rows();
+    let rows = |&index: &u32| match triangles.get(index as usize) {
+        Some(triangle) => Functions::of(triangle.corners).rows(),
+        None => leaf_rows(index - triangles.len() as u32),
+    };
     order.iter().flat_map(rows).collect()
 }
 
@@ -24,7 +29,11 @@ pub fn shading(
     order: &[u32],
 ) -> Vec<UVec4> {
     let rows = |&index: &u32| {
-        let SceneTriangle { corners, material, attributes } = triangles[index as usize];
+        let Some(triangle) = triangles.get(index as usize) else {
+            // Of an instance, where nobody looks.
+            return [UVec4::ZERO; Triangle::ROWS as usize];
+        };
+        let SceneTriangle { corners, material, attributes, .. } = *triangle;
         let functions = Functions::of(corners);
         let enlarged = functions.enlarged();
         Triangle {
@@ -168,7 +177,7 @@ mod tests {
     }
 
     fn triangle(corners: [Vec3; 3]) -> SceneTriangle {
-        SceneTriangle { corners, material: 0, attributes: NO_ATTRIBUTES }
+        SceneTriangle { corners, material: 0, attributes: NO_ATTRIBUTES, number: 0 }
     }
 
     fn hit(table: &[UVec4], index: u32, ray: &Ray) -> Hit {

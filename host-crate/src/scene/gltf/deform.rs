@@ -1,10 +1,11 @@
 //! Shapes that are bent: by morph targets with the weights that the file has, and by skins as
 //! their joints stand.
 
-use super::geometry::{Geometry, normal_map};
+use super::geometry::Geometry;
 use super::nodes::Nodes;
 use super::primitive::Primitive;
 use crate::scene::error::SceneError;
+use crate::scene::instance::normal_map;
 use glam::{DMat3, DMat4, Vec3};
 use gltf::json::Index;
 use gltf::json::mesh::Semantic;

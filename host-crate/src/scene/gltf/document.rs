@@ -3,7 +3,7 @@
 use super::extensions;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
-use crate::scene::options::LoadOptions;
+use crate::scene::options::{Instancing, LoadOptions};
 use crate::scene::source::{SceneBytes, Source, find_foreign};
 use crate::scene::text::{Name, plain_text};
 use gltf::binary::Glb;
@@ -35,6 +35,8 @@ pub(super) struct Document<'a> {
     pub root: Root,
     /// The bytes of each buffer; none where the file names none.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
+    /// What becomes of shapes that stand in several places.
+    pub instancing: Instancing,
     limit: u64,
     left: Cell<u64>,
 }
@@ -50,7 +52,8 @@ impl<'a> Document<'a> {
         let root = root(path, &json)?;
         let limit = options.max_memory;
         let left = Cell::new(limit);
-        let mut document = Self { path, folder, root, buffers: Vec::new(), limit, left };
+        let (buffers, instancing) = (Vec::new(), options.instancing);
+        let mut document = Self { path, folder, root, buffers, instancing, limit, left };
         extensions::check_required(&document.root, document.path)?;
         for index in 0..document.root.buffers.len() {
             let place = format!("buffers[{index}]");
@@ -176,15 +179,21 @@ impl<'a> Document<'a> {
     }
 
     /// Says what the picture does not show of the file as a whole.
-    pub(super) fn warn(&self, scene: &mut Scene) {
+    pub(super) fn warn(&self, is_posed: bool, scene: &mut Scene) {
         if let Some(unread) = extensions::unread(&self.root) {
             scene.warnings.push(self.warning(&unread));
         }
-        if !self.root.animations.is_empty() {
-            let count = self.root.animations.len();
-            scene.warnings.push(self.warning(&format!(
+        match (self.root.animations.len(), is_posed) {
+            (0, false) | (1, true) => (),
+            (0, true) => scene.warnings.push(
+                self.warning("it has no animation: whatever the time, it is shown as it stands."),
+            ),
+            (count, false) => scene.warnings.push(self.warning(&format!(
                 "animations are not played, all is shown as it is without them: {count}."
-            )));
+            ))),
+            (count, true) => scene.warnings.push(self.warning(&format!(
+                "it has {count} animations, of which the first is shown at its time."
+            ))),
         }
         if self.root.scenes.len() > 1 {
             let shown = self.root.scene.map_or(0, |scene| scene.value());
@@ -248,6 +257,12 @@ fn root(path: &Path, json: &[u8]) -> Result<Root, SceneError> {
 /// not by the crate.
 fn make_regular(value: &mut Value) {
     remove_extras(value);
+    let animations = value.get_mut("animations").and_then(Value::as_array_mut);
+    for channels in animations.into_iter().flatten().filter_map(|a| a.get_mut("channels")) {
+        // One without a node does nothing.
+        let moves = |channel: &Value| channel.pointer("/target/node").is_some();
+        channels.as_array_mut().into_iter().for_each(|channels| channels.retain(moves));
+    }
     let lists = [("scenes", "nodes"), ("skins", "joints")];
     for (list, key) in lists {
         let elements = value.get_mut(list).and_then(Value::as_array_mut);

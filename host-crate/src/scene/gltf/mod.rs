@@ -4,6 +4,7 @@
 //! own validation panics on indices that lead nowhere, and its readers know no quantised positions.
 
 mod accessor;
+mod animation;
 mod camera;
 mod deform;
 mod document;
@@ -14,6 +15,7 @@ mod layout;
 mod lights;
 mod material;
 mod nodes;
+mod placed;
 mod primitive;
 mod specular_glossiness;
 mod texture;
@@ -21,12 +23,11 @@ mod texture;
 pub(super) use document::is_binary;
 
 use self::document::Document;
-use self::geometry::Geometry;
 use self::instances::instances;
 use self::material::{Materials, Surface};
 use self::nodes::Nodes;
+use self::placed::Placed;
 use self::primitive::{Primitive, Shape};
-use super::bounds::MAX_COORDINATE;
 use super::camera::Camera;
 use super::clean::Cleaner;
 use super::description::Scene;
@@ -34,8 +35,7 @@ use super::environment::{Environment, LIT_BY_DEFAULT};
 use super::error::SceneError;
 use super::film::FilmSize;
 use super::framing::{self, FRAMED};
-use super::material::{Material, MaterialId};
-use super::mesh::Mesh;
+use super::material::Material;
 use super::options::LoadOptions;
 use super::recentre::origin_of;
 use super::source::{SceneBytes, Source};
@@ -43,41 +43,26 @@ use glam::{DMat4, DVec3, Vec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// A shape at its place in the world.
-struct Placed {
-    shape: Rc<Geometry>,
-    transform: DMat4,
-    material: MaterialId,
-    /// The part of the file that it is from.
-    part: String,
-}
-
-impl Placed {
-    /// Its positions in the world.
-    fn positions(&self) -> impl ExactSizeIterator<Item = DVec3> {
-        let positions = self.shape.positions.iter();
-        positions.map(|position| self.transform.transform_point3(position.as_dvec3()))
-    }
-}
-
 /// Loads a glTF.
 pub(super) fn load(
     source: &dyn Source,
     file: SceneBytes<'_>,
     options: LoadOptions,
 ) -> Result<Scene, SceneError> {
-    let document = Document::parse(source, file, options)?;
+    let mut document = Document::parse(source, file, options)?;
+    if let Some(at) = options.at {
+        animation::pose(&mut document, at)?;
+    }
     let nodes = Nodes::of(&document)?;
     let mut scene = Scene::new(Camera::new(Vec3::Z, Vec3::ZERO, 40.0), FilmSize::default());
     scene.name = file.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
-    document.warn(&mut scene);
+    document.warn(options.at.is_some(), &mut scene);
     let mut materials = Materials::new(&document, source, options);
     let placed = place(&document, &nodes, &mut materials, &mut scene)?;
-    let origin = origin_of(placed.iter().map(Placed::positions));
+    let placed = placed::gathered(placed, &document, &scene)?;
+    let origin = origin_of(placed.iter().flat_map(Placed::sampled));
     let mut cleaner = Cleaner::new(false);
-    for placed in &placed {
-        scene.add_mesh(mesh(&document, placed, origin, &mut cleaner)?);
-    }
+    placed::add(&document, &placed, origin, &mut cleaner, &mut scene)?;
     materials.finish(&mut scene);
     let path = file.path.display();
     if cleaner.degenerate > 0 {
@@ -151,9 +136,6 @@ fn place(
             let Shape { geometry: Some(geometry), surface: Surface::Of(material) } = shape else {
                 continue;
             };
-            let part = primitive.place();
-            document.charge_triangles(geometry.triangles.len() * transforms.len(), &part)?;
-            document.charge_vertices(geometry.positions.len() * transforms.len(), &part)?;
             let (shape, transforms) = if is_bent {
                 let (bent, is_in_world) = deform::bend(&primitive, nodes, node, &geometry)?;
                 let transforms =
@@ -162,12 +144,8 @@ fn place(
             } else {
                 (geometry, transforms.clone())
             };
-            placed.extend(transforms.into_iter().map(|transform| Placed {
-                shape: shape.clone(),
-                transform,
-                material,
-                part: part.clone(),
-            }));
+            let part = primitive.place();
+            placed.push(Placed { shape, transforms, material, part });
         }
     }
     lacks.finish(document, scene);
@@ -175,30 +153,4 @@ fn place(
         return Err(document.wrong("meshes", "there is no triangle in the scene that is shown"));
     }
     Ok(placed)
-}
-
-/// The mesh of a shape in the world, with `origin` taken off its positions.
-fn mesh(
-    document: &Document<'_>,
-    placed: &Placed,
-    origin: DVec3,
-    cleaner: &mut Cleaner,
-) -> Result<Mesh, SceneError> {
-    let is_near = |place: &DVec3| (*place - origin).abs().max_element() <= MAX_COORDINATE;
-    if let Some(index) = placed.positions().position(|place| !is_near(&place)) {
-        let what = format!(
-            "vertex {index} is more than {MAX_COORDINATE:e} from the middle of the scene, or is no \
-             number"
-        );
-        return Err(document.wrong(&placed.part, what));
-    }
-    let positions = placed.positions().map(|place| (place - origin).as_vec3()).collect();
-    let mut mesh = placed.shape.mesh(placed.material, positions, &placed.transform);
-    if placed.shape.is_joined {
-        // Strips have triangles without area where they are joined.
-        mesh.retain(super::mesh::has_area);
-    } else {
-        cleaner.clean(&mut mesh);
-    }
-    Ok(mesh)
 }

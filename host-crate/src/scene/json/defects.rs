@@ -54,7 +54,8 @@ pub(super) fn coarse_and_smooth(scene: &Scene) -> BTreeSet<usize> {
         let coarse = normals.iter().filter(turns).count();
         coarse > 0 && 4 * coarse >= normals.len()
     };
-    let coarse = scene.meshes.iter().filter(is_coarse).map(|mesh| mesh.material.0 as usize);
+    let meshes = scene.meshes.iter().chain(&scene.shapes);
+    let coarse = meshes.filter(is_coarse).map(|mesh| mesh.material.0 as usize);
     let scatters =
         |material: &usize| matches!(scene.materials[*material], Material::Diffuse { .. });
     coarse.filter(scatters).collect()

@@ -6,7 +6,7 @@ use super::environment::FileEnvironment;
 use super::light::FileLight;
 use super::material::FileMaterial;
 use super::transform::FileTransform;
-use super::values::{Coordinates, Depth, FilmSide, Object, Place, Radiance, present};
+use super::values::{Coordinates, Depth, FilmSide, Object, Place, Radiance, integer, present};
 use super::wrong_kind;
 use crate::scene::camera::Camera;
 use crate::scene::error::SceneError;
@@ -15,8 +15,8 @@ use crate::scene::light::QuadLight;
 use crate::scene::limits::PathLimits;
 use crate::scene::text::plain_text;
 use glam::{DAffine3, DVec3, Vec3};
-use serde::Deserialize;
-use serde::de::{Error as _, IgnoredAny};
+use serde::de::{Error as _, IgnoredAny, Unexpected};
+use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -47,6 +47,8 @@ pub(super) struct FileMesh {
     pub file: String,
     /// None where it stays as it is.
     pub transform: Option<DAffine3>,
+    /// Where it stands then, if that is in several places.
+    pub instances: Option<Vec<DAffine3>>,
     /// What all of it is made of, but for `materials`.
     pub material: Option<MaterialChoice>,
     /// What its materials are, by their names in the OBJ.
@@ -115,6 +117,8 @@ struct MeshKeys {
     #[serde(default, deserialize_with = "present")]
     transform: Option<Object<FileTransform>>,
     #[serde(default, deserialize_with = "present")]
+    instances: Option<Vec<Object<FileTransform>>>,
+    #[serde(default, deserialize_with = "present")]
     material: Option<MaterialChoice>,
     #[serde(default)]
     materials: BTreeMap<String, MaterialChoice>,
@@ -132,6 +136,7 @@ impl From<Format1> for SceneFile {
             place: String::new(),
             file: file.obj,
             transform: None,
+            instances: None,
             material: None,
             materials: file.materials.into_iter().map(own).collect(),
             normals: file.normals,
@@ -159,6 +164,9 @@ impl From<Format2> for SceneFile {
             place: format!("meshes[{index}]."),
             file: mesh.file,
             transform: mesh.transform.map(|Object(FileTransform(transform))| transform),
+            instances: mesh.instances.map(|list| {
+                list.into_iter().map(|Object(FileTransform(transform))| transform).collect()
+            }),
             material: mesh.material,
             materials: mesh.materials,
             normals: mesh.normals,
@@ -217,7 +225,14 @@ impl SceneFile {
 
 #[derive(Deserialize)]
 struct Version {
+    #[serde(deserialize_with = "version")]
     format: u64,
+}
+
+fn version<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+    let expected = "the number of a format, 1 or 2";
+    let found = integer(deserializer, expected)?;
+    u64::try_from(found).map_err(|_| D::Error::invalid_value(Unexpected::Signed(found), &expected))
 }
 
 fn parse<'de, T: Deserialize<'de>>(path: &Path, json: &'de [u8]) -> Result<T, SceneError> {

@@ -19,7 +19,7 @@ mod wrong_kind;
 use self::choice::MaterialChoice;
 use self::format::{FileMesh, Normals, SceneFile};
 use self::names::Names;
-use self::parts::Parts;
+use self::parts::{Parts, Places};
 use super::bounds;
 use super::description::{DARK, Scene};
 use super::error::SceneError;
@@ -30,7 +30,7 @@ use super::picture::Pictures;
 use super::ply;
 use super::recentre::origin_of;
 use super::source::{SceneBytes, Source};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use serde::de::Error as _;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -54,10 +54,17 @@ pub(super) fn load(
     }
 
     let placed = meshes.iter().flat_map(|mesh| {
-        let placement = mesh.rules.placement(DVec3::ZERO);
-        mesh.obj.parts.iter().map(move |part| placement.positions(part))
+        let placements = mesh.rules.placements(DVec3::ZERO);
+        // Of what stands in many places, some.
+        let count = if placements.len() > 1 { SAMPLED } else { usize::MAX };
+        let of_part = move |part| {
+            let sampled = move |placement: &Placement| placement.positions(part).take(count);
+            placements.iter().map(sampled).collect::<Vec<_>>()
+        };
+        mesh.obj.parts.iter().flat_map(of_part)
     });
     let origin = origin_of(placed);
+    let keeps_instances = keeps_instances(path, &meshes, options)?;
     let camera = file.camera(origin).map_err(|what| wrong_key(path, "camera", &what))?;
     let mut scene = Scene::new(camera, file.film());
     scene.name = file.name.clone();
@@ -66,7 +73,8 @@ pub(super) fn load(
     let mut pictures = Pictures::new(options);
     for LoadedObj { rules, path, text, obj } in &meshes {
         let files = (path.as_path(), text.as_slice());
-        let mut parts = Parts::new(&file, rules, names, files, origin, options, pictures);
+        let places = Places { origin, keeps_instances };
+        let mut parts = Parts::new(&file, rules, names, files, places, options, pictures);
         parts.read_libraries(obj, &mut scene)?;
         for part in &obj.parts {
             parts.add(part, &mut scene)?;
@@ -84,6 +92,35 @@ pub(super) fn load(
     Ok(scene)
 }
 
+/// Positions of a part that are looked at in each of many places.
+const SAMPLED: usize = 64;
+/// Memory that a triangle takes for each place that it is repeated in, in bytes, by an estimate.
+const PER_TRIANGLE: u64 = 400;
+
+/// Whether shapes that stand in several places are kept once.
+fn keeps_instances(
+    path: &Path,
+    meshes: &[LoadedObj<'_>],
+    options: LoadOptions,
+) -> Result<bool, SceneError> {
+    let repeated = |mesh: &LoadedObj<'_>| {
+        let faces: usize = mesh.obj.parts.iter().map(|part| part.faces).sum();
+        faces as u64 * mesh.rules.instances.as_ref().map_or(0, |list| list.len() as u64)
+    };
+    let total = meshes.iter().map(repeated).sum();
+    let keeps = options.instancing.keeps(total);
+    if !keeps && total.saturating_mul(PER_TRIANGLE) > options.max_memory {
+        let largest = meshes.iter().max_by_key(|mesh| repeated(mesh));
+        let place = largest.map_or_else(String::new, |mesh| mesh.rules.place.clone());
+        return Err(SceneError::TooLarge {
+            path: path.to_owned(),
+            place: format!("{place}instances"),
+            limit: options.max_memory,
+        });
+    }
+    Ok(keeps)
+}
+
 /// An OBJ that has been read.
 struct LoadedObj<'a> {
     rules: &'a FileMesh,
@@ -99,6 +136,10 @@ impl<'a> LoadedObj<'a> {
         options: LoadOptions,
         memory: u64,
     ) -> Result<Self, SceneError> {
+        if rules.instances.as_ref().is_some_and(Vec::is_empty) {
+            let what = "must name a place at least, or be left out: the mesh is shown nowhere";
+            return Err(wrong_key(names.scene, &format!("{}instances", rules.place), what));
+        }
         let path = names.find(&rules.key, &rules.file, &[names.folder])?;
         let text = names.source.read(&path, options.geometry_bytes())?;
         if gltf::is_binary(&text) {
@@ -117,8 +158,13 @@ impl<'a> LoadedObj<'a> {
 
 impl FileMesh {
     /// Where its vertices go, with `origin` taken off.
-    fn placement(&self, origin: DVec3) -> Placement {
-        Placement { transform: self.transform, origin }
+    fn placements(&self, origin: DVec3) -> Vec<Placement> {
+        let Some(instances) = &self.instances else {
+            return vec![Placement { transform: self.transform, origin }];
+        };
+        let first = self.transform.unwrap_or(DAffine3::IDENTITY);
+        let place = |instance: &DAffine3| Placement { transform: Some(*instance * first), origin };
+        instances.iter().map(place).collect()
     }
 }
 

@@ -13,17 +13,26 @@ use crate::scene::error::SceneError;
 use crate::scene::material::{Material, MaterialId};
 use crate::scene::obj::mtl::{self, Describer, Library};
 use crate::scene::obj::texture_map::TextureMap;
-use crate::scene::obj::{Obj, Part};
-use crate::scene::options::LoadOptions;
+use crate::scene::obj::{Obj, Part, Placement};
+use crate::scene::options::{LoadOptions, is_worth_keeping};
 use crate::scene::picture::Pictures;
 use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
 use crate::scene::source::parent;
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
 use crate::scene::texture::TextureId;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
+
+/// What is the same for all places of a scene.
+#[derive(Clone, Copy)]
+pub(super) struct Places {
+    /// What is taken off all positions.
+    pub origin: DVec3,
+    /// Whether what stands in several places is kept once.
+    pub keeps_instances: bool,
+}
 
 /// What it takes to make meshes of an OBJ's parts, and what is found on the way.
 pub(super) struct Parts<'a> {
@@ -32,8 +41,7 @@ pub(super) struct Parts<'a> {
     names: Names<'a>,
     obj_path: &'a Path,
     obj_text: &'a [u8],
-    /// What is taken off all positions.
-    origin: DVec3,
+    places: Places,
     options: LoadOptions,
     library: Library,
     pictures: Pictures,
@@ -71,7 +79,7 @@ impl<'a> Parts<'a> {
         rules: &'a FileMesh,
         names: Names<'a>,
         (obj_path, obj_text): (&'a Path, &'a [u8]),
-        origin: DVec3,
+        places: Places,
         options: LoadOptions,
         pictures: Pictures,
     ) -> Self {
@@ -81,7 +89,7 @@ impl<'a> Parts<'a> {
             names,
             obj_path,
             obj_text,
-            origin,
+            places,
             options,
             library: Library::default(),
             pictures,
@@ -130,22 +138,53 @@ impl<'a> Parts<'a> {
         if let Some(line) = v.or(vt.filter(|_| map.is_some())).or(vn) {
             return Err(Obj::unusable(self.obj_path, self.obj_text, line));
         }
+        self.place(part, material, map.as_ref(), scene)
+    }
+
+    /// Adds a part of this material in all of its places.
+    fn place(
+        &mut self,
+        part: &Part,
+        material: MaterialId,
+        map: Option<&TextureMap>,
+        scene: &mut Scene,
+    ) -> Result<(), SceneError> {
         let is_near = |place: DVec3| place.abs().max_element() <= MAX_COORDINATE;
-        let placement = self.rules.placement(self.origin);
-        if !placement.positions(part).all(is_near) {
-            return Err(match self.rules.transform {
-                None => Obj::too_far(self.obj_path, self.obj_text, self.origin),
-                Some(_) => {
-                    let key = format!("{}transform", self.rules.place);
-                    let what = "moves the mesh too far from the rest of the scene";
-                    super::wrong_key(self.names.scene, &key, what)
-                }
-            });
+        let Places { origin, keeps_instances } = self.places;
+        let placements = self.rules.placements(origin);
+        if placements.iter().any(|placement| !placement.positions(part).all(is_near)) {
+            return Err(self.too_far());
         }
-        let mut mesh = part.mesh(material, &placement, map.as_ref());
-        self.cleaner.clean(&mut mesh);
-        scene.add_mesh(mesh);
+        let instances = self.rules.instances.as_deref().unwrap_or_default();
+        if !keeps_instances || !is_worth_keeping(part.faces, instances.len()) {
+            for placement in &placements {
+                let mut mesh = part.mesh(material, placement, map);
+                self.cleaner.clean(&mut mesh);
+                scene.add_mesh(mesh);
+            }
+            return Ok(());
+        }
+        let first = Placement { transform: self.rules.transform, origin: DVec3::ZERO };
+        let mut shape = part.mesh(material, &first, map);
+        self.cleaner.clean(&mut shape);
+        let taken_off = DAffine3::from_translation(-origin);
+        let transforms: Vec<DAffine3> = instances.iter().map(|t| taken_off * *t).collect();
+        scene.add_repeated(shape, &transforms);
         Ok(())
+    }
+
+    /// The error of a part that is too far away.
+    fn too_far(&self) -> SceneError {
+        let key = match (&self.rules.instances, self.rules.transform) {
+            (Some(_), _) => "instances",
+            (None, Some(_)) => "transform",
+            (None, None) => {
+                return Obj::too_far(self.obj_path, self.obj_text, self.places.origin);
+            }
+        };
+        let key = format!("{}{key}", self.rules.place);
+        let what = "moves the mesh too far from the rest of the scene";
+        super::wrong_key(self.names.scene, &key, what)
     }
 
     /// The material of the triangles of a part: with the texture, or else of its mean colour.

@@ -1,6 +1,6 @@
 //! Where a scene file puts a mesh.
 
-use super::values::{Place, present};
+use super::values::{Numbers, Place, present};
 use crate::scene::bounds;
 use glam::{DAffine3, DMat3, DVec3, EulerRot};
 use serde::Deserialize;
@@ -25,12 +25,12 @@ struct TransformKeys {
 
 /// Three rows of four numbers.
 #[derive(Debug, Deserialize)]
-#[serde(try_from = "Vec<Vec<f64>>")]
+#[serde(try_from = "Vec<Numbers>")]
 struct Matrix(DAffine3);
 
 /// Degrees about x, then y, then z.
 #[derive(Debug, Deserialize)]
-#[serde(try_from = "Vec<f64>")]
+#[serde(try_from = "Numbers")]
 struct Angles(DMat3);
 
 /// A factor for all axes, or one for each.
@@ -41,10 +41,11 @@ enum Scale {
     Three(Vec<f64>),
 }
 
-impl TryFrom<Vec<Vec<f64>>> for Matrix {
+impl TryFrom<Vec<Numbers>> for Matrix {
     type Error = String;
 
-    fn try_from(rows: Vec<Vec<f64>>) -> Result<Self, String> {
+    fn try_from(rows: Vec<Numbers>) -> Result<Self, String> {
+        let rows: Vec<Vec<f64>> = rows.iter().map(Numbers::plain).collect();
         let is_matrix = rows.len() == 3 && rows.iter().all(|row| row.len() == 4);
         if !is_matrix {
             return Err("must be three rows of four numbers each".to_owned());
@@ -57,11 +58,11 @@ impl TryFrom<Vec<Vec<f64>>> for Matrix {
     }
 }
 
-impl TryFrom<Vec<f64>> for Angles {
+impl TryFrom<Numbers> for Angles {
     type Error = String;
 
-    fn try_from(degrees: Vec<f64>) -> Result<Self, String> {
-        let radians = bounds::coordinates(&degrees)?.map(f64::to_radians);
+    fn try_from(degrees: Numbers) -> Result<Self, String> {
+        let radians = bounds::coordinates(&degrees.plain())?.map(f64::to_radians);
         Ok(Self(DMat3::from_euler(EulerRot::ZYX, radians.z, radians.y, radians.x)))
     }
 }

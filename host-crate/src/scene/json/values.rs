@@ -2,7 +2,7 @@
 
 use crate::scene::bounds;
 use glam::{DVec3, Vec3};
-use serde::de::{MapAccess, Visitor, value};
+use serde::de::{Error, MapAccess, Unexpected, Visitor, value};
 use serde::{Deserialize, Deserializer};
 use std::marker::PhantomData;
 
@@ -38,75 +38,193 @@ pub(super) fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     T::deserialize(deserializer).map(Some)
 }
 
-/// Types of values that are read as one type, the second, and kept as another, the first, by a
-/// function that checks them.
+/// An integer; the error says what was `expected`.
+pub(super) fn integer<'de, D: Deserializer<'de>>(
+    deserializer: D,
+    expected: &str,
+) -> Result<i64, D::Error> {
+    struct Integer<'a>(&'a str);
+
+    impl Visitor<'_> for Integer<'_> {
+        type Value = i64;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str(self.0)
+        }
+
+        fn visit_i64<E: Error>(self, value: i64) -> Result<i64, E> {
+            Ok(value)
+        }
+
+        fn visit_u64<E: Error>(self, value: u64) -> Result<i64, E> {
+            i64::try_from(value).map_err(|_| E::invalid_value(Unexpected::Unsigned(value), &self))
+        }
+    }
+
+    deserializer.deserialize_i64(Integer(expected))
+}
+
+/// A number of any kind.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Number(pub f64);
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct AnyNumber;
+
+        impl Visitor<'_> for AnyNumber {
+            type Value = Number;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a number")
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Number, E> {
+                Ok(Number(value))
+            }
+
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Number, E> {
+                Ok(Number(value as f64))
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Number, E> {
+                Ok(Number(value as f64))
+            }
+        }
+
+        deserializer.deserialize_f64(AnyNumber)
+    }
+}
+
+/// Numbers of any kind.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(transparent)]
+pub(super) struct Numbers(Vec<Number>);
+
+impl Numbers {
+    /// As a list.
+    pub(super) fn plain(&self) -> Vec<f64> {
+        self.0.iter().map(|&Number(value)| value).collect()
+    }
+}
+
+/// Types of values that are read as numbers and kept as what a function makes of them that checks
+/// them.
 macro_rules! checked {
     ($(
         $(#[$doc:meta])*
-        $name:ident($kept:ty) = $check:expr, of $read:ty as $read_text:literal;
+        $name:ident($kept:ty) = $check:expr;
     )*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Deserialize)]
-        #[serde(try_from = $read_text)]
+        #[serde(try_from = "Number")]
         pub(super) struct $name(pub $kept);
 
-        impl TryFrom<$read> for $name {
+        impl TryFrom<Number> for $name {
             type Error = String;
 
-            fn try_from(value: $read) -> Result<Self, String> {
+            fn try_from(Number(value): Number) -> Result<Self, String> {
                 $check(value).map(Self)
             }
         }
     )*};
 }
 
-checked! {
-    /// A direction in world units.
-    Coordinates(DVec3) = |v: Vec<f64>| bounds::coordinates(&v), of Vec<f64> as "Vec<f64>";
-    /// A position in world units, which may be far from the origin.
-    Place(DVec3) = |v: Vec<f64>| bounds::place(&v), of Vec<f64> as "Vec<f64>";
-    /// A share of light: linear Rec.709, each component in [0, 1].
-    Colour(Vec3) = |v: Vec<f64>| bounds::reflectance(&v), of Vec<f64> as "Vec<f64>";
-    /// A share of something, in [0, 1].
-    Share(f32) = bounds::share, of f64 as "f64";
-    /// Emitted light: linear Rec.709, no component negative.
-    Radiance(Vec3) = |v: Vec<f64>| bounds::radiance(&v), of Vec<f64> as "Vec<f64>";
-    /// An index of refraction.
-    Ior(f32) = bounds::ior, of f64 as "f64";
-    /// An index of refraction of a metal.
-    Eta(Vec3) = |v: Vec<f64>| bounds::eta(&v), of Vec<f64> as "Vec<f64>";
-    /// A coefficient of extinction of a metal.
-    Extinction(Vec3) = |v: Vec<f64>| bounds::extinction(&v), of Vec<f64> as "Vec<f64>";
-    /// A distance or a width in world units, above 0.
-    Distance(f32) = bounds::distance, of f64 as "f64";
-    /// Radius of an aperture in world units.
-    LensRadius(f32) = bounds::lens_radius, of f64 as "f64";
+/// The same of lists of numbers.
+macro_rules! checked_lists {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident($kept:ty) = $check:expr;
+    )*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Deserialize)]
+        #[serde(try_from = "Numbers")]
+        pub(super) struct $name(pub $kept);
+
+        impl TryFrom<Numbers> for $name {
+            type Error = String;
+
+            fn try_from(values: Numbers) -> Result<Self, String> {
+                $check(&values.plain()).map(Self)
+            }
+        }
+    )*};
+}
+
+/// The same of integers, of which an error says what they are to be.
+macro_rules! checked_integers {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident($kept:ty) = $check:expr, $expected:literal $(% $bound:expr)*;
+    )*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub(super) struct $name(pub $kept);
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let expected = format!($expected $(, $bound)*);
+                let value = integer(deserializer, &expected)?;
+                $check(value).map(Self).map_err(D::Error::custom)
+            }
+        }
+    )*};
+}
+
+checked_integers! {
     /// Corners of an aperture.
-    Blades(u32) = bounds::blades, of i64 as "i64";
-    /// An angle in degrees from an axis, from 0 to 180.
-    Angle(f32) = bounds::angle, of f64 as "f64";
-    /// A rotation in degrees.
-    Rotation(f32) = bounds::rotation, of f64 as "f64";
-    /// The height of a sun over the horizon, in degrees.
-    Elevation(f32) = bounds::elevation, of f64 as "f64";
-    /// How much haze there is in the air.
-    Turbidity(f32) = bounds::turbidity, of f64 as "f64";
-    /// What radiances are multiplied by.
-    Strength(f32) = bounds::strength, of f64 as "f64";
-    /// The diameter of a light at infinity, in degrees.
-    AngularDiameter(f32) = bounds::angular_diameter, of f64 as "f64";
-    /// What a share of light is multiplied by: linear Rec.709, no component negative.
-    Factor(Vec3) = |v: Vec<f64>| bounds::factor(&v), of Vec<f64> as "Vec<f64>";
-    /// What slopes are multiplied by.
-    Slope(f32) = bounds::scale, of f64 as "f64";
-    /// An angle of view in degrees.
-    AngleOfView(f32) = bounds::angle_of_view, of f64 as "f64";
+    Blades(u32) = bounds::blades, "an integer from 3 to {}, or 0" % bounds::MAX_BLADES;
     /// A width or height in pixels.
-    FilmSide(u32) = bounds::film_side, of i64 as "i64";
-    /// A distance after which light is coloured, in world units.
-    AttenuationDistance(f32) = bounds::attenuation_distance, of f64 as "f64";
+    FilmSide(u32) = bounds::film_side, "an integer from 1 to {}" % bounds::MAX_FILM_SIDE;
     /// The priority of a body.
-    Priority(i32) = bounds::priority, of i64 as "i64";
+    Priority(i32) =
+        bounds::priority, "an integer from -{0} to {0}" % bounds::MAX_PRIORITY;
     /// A number of path segments.
-    Depth(u32) = bounds::depth, of i64 as "i64";
+    Depth(u32) = bounds::depth, "an integer from 1 to {}" % u32::MAX;
+}
+
+checked_lists! {
+    /// A direction in world units.
+    Coordinates(DVec3) = bounds::coordinates;
+    /// A position in world units, which may be far from the origin.
+    Place(DVec3) = bounds::place;
+    /// A share of light: linear Rec.709, each component in [0, 1].
+    Colour(Vec3) = bounds::reflectance;
+    /// Emitted light: linear Rec.709, no component negative.
+    Radiance(Vec3) = bounds::radiance;
+    /// An index of refraction of a metal.
+    Eta(Vec3) = bounds::eta;
+    /// A coefficient of extinction of a metal.
+    Extinction(Vec3) = bounds::extinction;
+    /// What a share of light is multiplied by: linear Rec.709, no component negative.
+    Factor(Vec3) = bounds::factor;
+}
+
+checked! {
+    /// A share of something, in [0, 1].
+    Share(f32) = bounds::share;
+    /// An index of refraction.
+    Ior(f32) = bounds::ior;
+    /// A distance or a width in world units, above 0.
+    Distance(f32) = bounds::distance;
+    /// Radius of an aperture in world units.
+    LensRadius(f32) = bounds::lens_radius;
+    /// An angle in degrees from an axis, from 0 to 180.
+    Angle(f32) = bounds::angle;
+    /// A rotation in degrees.
+    Rotation(f32) = bounds::rotation;
+    /// The height of a sun over the horizon, in degrees.
+    Elevation(f32) = bounds::elevation;
+    /// How much haze there is in the air.
+    Turbidity(f32) = bounds::turbidity;
+    /// What radiances are multiplied by.
+    Strength(f32) = bounds::strength;
+    /// The diameter of a light at infinity, in degrees.
+    AngularDiameter(f32) = bounds::angular_diameter;
+    /// What slopes are multiplied by.
+    Slope(f32) = bounds::scale;
+    /// An angle of view in degrees.
+    AngleOfView(f32) = bounds::angle_of_view;
+    /// A distance after which light is coloured, in world units.
+    AttenuationDistance(f32) = bounds::attenuation_distance;
 }

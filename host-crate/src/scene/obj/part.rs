@@ -33,7 +33,7 @@ pub(in crate::scene) struct Part {
 
 impl Part {
     /// Its positions as the file has them.
-    pub(in crate::scene) fn positions(&self) -> impl ExactSizeIterator<Item = DVec3> {
+    pub(in crate::scene) fn positions(&self) -> impl ExactSizeIterator<Item = DVec3> + Clone {
         self.mesh.positions.chunks_exact(3).map(DVec3::from_slice)
     }
 
@@ -110,7 +110,7 @@ impl Placement {
     pub(in crate::scene) fn positions(
         self,
         part: &Part,
-    ) -> impl ExactSizeIterator<Item = DVec3> + use<'_> {
+    ) -> impl ExactSizeIterator<Item = DVec3> + Clone + use<'_> {
         part.positions().map(move |position| {
             let moved = self.transform.map_or(position, |t| t.transform_point3(position));
             moved - self.origin

@@ -245,8 +245,7 @@ impl<A: Abilities> EyeTracer<'_, A> {
         let reflected = here.weight * arrives * (join.to_light * scale);
         // Both ends leave their surfaces, so that neither occludes itself.
         let from = surface.point.offset_towards(direction);
-        let offset_roundings = self.scene.surfaces.offset_roundings;
-        let end = light.point(offset_roundings);
+        let end = light.point(&self.scene.surfaces);
         let to = end.end_towards(-direction, surface.point.position);
         let segment = Ray::segment(from, to - from, 1.0);
         self.add_unless_blocked(path, &segment, media, reflected * weight);

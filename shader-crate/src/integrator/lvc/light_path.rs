@@ -190,6 +190,7 @@ impl LightPath {
             normal: surface.bsdf.normal,
             segments,
             flux: self.flux * self.throughput * surface.bsdf.reflectance * (bent * FRAC_1_PI),
+            instance: surface.instance,
         }
     }
 

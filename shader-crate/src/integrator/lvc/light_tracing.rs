@@ -86,7 +86,7 @@ fn splat(
     let to_light =
         camera.pdf(abilities, -direction) * cosine(light.geometric, direction) / distance2;
     let weight = camera_weight(samples, to_light, light.norm);
-    let from = light.point(scene.surfaces.offset_roundings).offset_towards(direction);
+    let from = light.point(&scene.surfaces).offset_towards(direction);
     let segment = Ray::segment(from, origin - from, 1.0);
     let left = scene.surfaces.transmittance(light.media, segment.direction.length());
     let mut radiance = light.flux * left * (to_light * weight);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! position xyz, media | triangle's normal xyz, norm | shading normal xyz, segments |
-//! flux xyz, unused
+//! flux xyz, instance
 //! ```
 //!
 //! What the words of a row are, [`crate::memory::rows`] says. What a diffuse surface sends to a
@@ -12,9 +12,11 @@
 use crate::glam::{UVec4, Vec3};
 use crate::memory::access::Scatter;
 use crate::memory::rows::{row, vector};
+use crate::scene::abilities::Abilities;
 use crate::scene::bsdf::diffuse;
 use crate::scene::media::Media;
 use crate::scene::ray::SurfacePoint;
+use crate::scene::surface::SurfaceView;
 
 /// `uvec4`s of one vertex.
 pub const ROWS_PER_VERTEX: u32 = 4;
@@ -38,6 +40,8 @@ pub struct LightVertex {
     /// The flux that the path carries here times the BSDF (reflectance over pi): times cosine over
     /// squared distance, what it adds to the irradiance of a point that sees it; linear Rec.709.
     pub flux: Vec3,
+    /// The instance that it is on, or [`NO_INSTANCE`](crate::scene::bvh::instance::NO_INSTANCE).
+    pub instance: u32,
 }
 
 impl LightVertex {
@@ -47,7 +51,7 @@ impl LightVertex {
             row(self.position, self.media.0),
             row(self.geometric, self.norm.to_bits()),
             row(self.normal, self.segments),
-            row(self.flux, 0),
+            row(self.flux, self.instance),
         ]
     }
 
@@ -61,6 +65,7 @@ impl LightVertex {
             normal: vector(rows[2]),
             segments: rows[2].w,
             flux: vector(rows[3]),
+            instance: rows[3].w,
         }
     }
 
@@ -70,8 +75,9 @@ impl LightVertex {
     }
 
     /// Where it is, and how a ray leaves it.
-    pub fn point(&self, offset_roundings: f32) -> SurfacePoint {
-        SurfacePoint { position: self.position, normal: self.geometric, offset_roundings }
+    pub fn point(&self, surfaces: &SurfaceView<'_, impl Abilities>) -> SurfacePoint {
+        let clearance = surfaces.clearance(self.instance);
+        SurfacePoint { position: self.position, normal: self.geometric, clearance }
     }
 
     /// Writes it from row `first` on.

@@ -19,7 +19,7 @@ use crate::scene::ray::Ray;
 const MIN_DIRECTION: f32 = 1e-18;
 /// By how many roundings of the largest coordinate of its origin a ray is taken to be wide, see
 /// [`BoxRay`].
-const RAY_WIDTH: f32 = 32.0;
+pub const RAY_WIDTH: f32 = 32.0;
 /// By how many roundings of its largest coordinate a triangle's box has to be wider than what its
 /// test accepts, see [`BoxRay`].
 pub const BOX_ROUNDINGS: f32 = 32.0;
@@ -114,8 +114,10 @@ pub struct BoxRay {
 }
 
 impl BoxRay {
-    /// Prepares the tests of `ray`.
-    pub fn new(ray: &Ray) -> Self {
+    /// Prepares the tests of `ray`, which is so many `roundings` wide: [`RAY_WIDTH`], or as much as
+    /// [instances](super::instance) ask for.
+    #[inline(always)]
+    pub fn new(ray: &Ray, roundings: f32) -> Self {
         let d = ray.direction;
         let inverse_direction =
             Vec3::new(finite_inverse(d.x), finite_inverse(d.y), finite_inverse(d.z));
@@ -123,7 +125,7 @@ impl BoxRay {
         Self {
             origin: ray.origin,
             inverse_direction,
-            width: RAY_WIDTH * UNIT_ROUNDOFF * ray.origin.abs().max_element(),
+            width: roundings * UNIT_ROUNDOFF * ray.origin.abs().max_element(),
             octant: grows(inverse_direction.x, 4)
                 | grows(inverse_direction.y, 2)
                 | grows(inverse_direction.z, 1),

@@ -10,7 +10,7 @@ use crate::memory::rows::{five_rows, float, two_rows, vector};
 use crate::scene::abilities::{Abilities, EMISSION_MAPS, ENVIRONMENT, PUNCTUAL};
 use crate::scene::bvh::planes::Plane;
 use crate::scene::environment::{EnvironmentSample, EnvironmentView};
-use crate::scene::ray::SurfacePoint;
+use crate::scene::ray::{Clearance, SurfacePoint};
 use crate::scene::texture::TextureView;
 use core::f32::consts::FRAC_1_PI;
 #[cfg(target_arch = "spirv")]
@@ -147,9 +147,10 @@ pub struct LightPoint {
 }
 
 impl LightPoint {
-    /// Where it is, and how a ray leaves it, see [`SurfacePoint::offset_roundings`].
+    /// Where it is, and how a ray leaves it by so many [roundings](Clearance::roundings).
     pub fn point(&self, offset_roundings: f32) -> SurfacePoint {
-        SurfacePoint { position: self.position, normal: self.normal, offset_roundings }
+        let clearance = Clearance::of_world(offset_roundings);
+        SurfacePoint { position: self.position, normal: self.normal, clearance }
     }
 }
 

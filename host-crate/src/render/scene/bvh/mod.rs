@@ -15,8 +15,9 @@ mod tree;
 use self::pieces::Pieces;
 use super::scene_triangle::SceneTriangle;
 use crate::names::named;
-use glam::UVec4;
+use glam::{UVec4, Vec3A};
 use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use raystream_shaders::scene::bvh::MAX_DEPTH;
@@ -43,9 +44,11 @@ named! {
 pub struct Bvh {
     /// [`Node::ROWS`] rows for each node; at least the root.
     pub nodes: Vec<UVec4>,
-    /// Where each leaf entry comes from: index into the triangles that were given. Splits repeat
-    /// some.
+    /// Where each leaf entry comes from: index into the triangles that were given, and after these
+    /// into the boxes. Splits repeat some.
     pub order: Vec<u32>,
+    /// The box around all; around the origin where there is nothing.
+    pub bounds: Aabb,
 }
 
 /// Triangles in a leaf, at most: what a node's meta byte can say.
@@ -54,17 +57,20 @@ const TRIANGLES_PER_LEAF: u32 = 3;
 /// nearly always do, and the last one always.
 const DEPTHS: [u32; 3] = [128, 64, MAX_DEPTH];
 
-/// Builds the hierarchy over `triangles`. It is at most [`MAX_DEPTH`] deep.
-pub fn build(triangles: &[SceneTriangle], quality: BvhQuality) -> Bvh {
-    if triangles.is_empty() {
+/// Builds the hierarchy over `triangles` and the `boxes` of what else is in its leaves. It is at
+/// most [`MAX_DEPTH`] deep.
+pub fn build(triangles: &[SceneTriangle], boxes: &[Aabb], quality: BvhQuality) -> Bvh {
+    if triangles.is_empty() && boxes.is_empty() {
         // A root whose slots are all empty.
-        return Bvh { nodes: vec![UVec4::ZERO; Node::ROWS as usize], order: Vec::new() };
+        let nodes = vec![UVec4::ZERO; Node::ROWS as usize];
+        return Bvh { nodes, order: Vec::new(), bounds: Aabb::new(Vec3A::ZERO, Vec3A::ZERO) };
     }
     let parameters = match quality {
         BvhQuality::Fast => BvhBuildParams::very_fast_build(),
         BvhQuality::High => BvhBuildParams::very_slow_build(),
     };
-    let pieces = Pieces::of(triangles, parameters.pre_split);
+    let mut pieces = Pieces::of(triangles, parameters.pre_split);
+    pieces.add(boxes, triangles.len() as u32);
     let tree = tree::build(&pieces.boxes, parameters);
     let mut bvh = CwBvh::default();
     for depth in DEPTHS {
@@ -77,7 +83,8 @@ pub fn build(triangles: &[SceneTriangle], quality: BvhQuality) -> Bvh {
     }
     grid::round_outwards(&mut bvh, &pieces.boxes);
     let order = bvh.primitive_indices.iter().map(|&piece| pieces.triangles[piece as usize]);
-    Bvh { order: order.collect(), nodes: bytemuck::pod_collect_to_vec(&bvh.nodes) }
+    let bounds = pieces.boxes.iter().fold(Aabb::empty(), |all, piece| all.union(piece));
+    Bvh { order: order.collect(), nodes: bytemuck::pod_collect_to_vec(&bvh.nodes), bounds }
 }
 
 /// Nodes on the longest path from the root.
@@ -103,13 +110,14 @@ mod tests {
 
     /// The two halves of a quad.
     fn quad(corner: Vec3, u: Vec3, v: Vec3) -> [SceneTriangle; 2] {
-        [[corner, corner + u, corner + u + v], [corner, corner + u + v, corner + v]]
-            .map(|corners| SceneTriangle { corners, material: 0, attributes: NO_ATTRIBUTES })
+        [[corner, corner + u, corner + u + v], [corner, corner + u + v, corner + v]].map(
+            |corners| SceneTriangle { corners, material: 0, attributes: NO_ATTRIBUTES, number: 0 },
+        )
     }
 
     fn assert_traversable(triangles: &[SceneTriangle], what: &str) {
         for quality in [BvhQuality::Fast, BvhQuality::High] {
-            let bvh = build(triangles, quality);
+            let bvh = build(triangles, &[], quality);
             let nodes = bytemuck::cast_slice(&bvh.nodes).to_vec();
             let wide = CwBvh { nodes, ..CwBvh::default() };
             assert!(depth(&wide) <= MAX_DEPTH, "{what}: {}", depth(&wide));
@@ -144,7 +152,7 @@ mod tests {
                         Vec3::new(angle.cos(), angle.sin(), 0.0)
                     };
                     let corners = [Vec3::ZERO, rim(k), rim(k + 1)];
-                    SceneTriangle { corners, material: 0, attributes: NO_ATTRIBUTES }
+                    SceneTriangle { corners, material: 0, attributes: NO_ATTRIBUTES, number: 0 }
                 })
                 .collect();
             assert_traversable(&fan, "a fan");

@@ -13,7 +13,7 @@ pub struct Pieces {
     /// A box of each: any hit that the test of its triangle finds is in one of them, with what
     /// [`BoxRay`](raystream_shaders::scene::bvh::node::BoxRay) asks for.
     pub boxes: Vec<Aabb>,
-    /// Index of the triangle that each is of.
+    /// Index of the triangle, or of what else, that each is of.
     pub triangles: Vec<u32>,
 }
 
@@ -29,7 +29,7 @@ impl Pieces {
             .collect();
         let mut boxes: Vec<Aabb> = exact.iter().map(Boundable::aabb).collect();
         let mut indices: Vec<u32> = (0..triangles.len() as u32).collect();
-        if split {
+        if split && !triangles.is_empty() {
             let areas = || boxes.iter().map(Aabb::half_area);
             let mean = areas().sum::<f32>() / boxes.len() as f32;
             let largest = areas().fold(0.0, f32::max);
@@ -40,5 +40,10 @@ impl Pieces {
             *piece = Aabb::new(piece.min - margin, piece.max + margin);
         }
         Self { boxes, triangles: indices }
+    }
+    /// Adds `boxes` that are wide enough already, numbered from `first` on.
+    pub fn add(&mut self, boxes: &[Aabb], first: u32) {
+        self.boxes.extend(boxes);
+        self.triangles.extend((first..).take(boxes.len()));
     }
 }
