@@ -189,7 +189,7 @@ pub fn filter_axis_aligned(
 }
 
 /// Kernel: the estimator `axis-aligned`, for the pixel `first_rank + lane`. The estimate is the
-/// variance of the mean; but allocators go by the [rate](rate_of), until the pixel has converged.
+/// variance of the mean; but allocators go by its rate (`rate_of`), until the pixel has converged.
 pub fn axis_rates(
     lane: u32,
     params: &AxisParams,

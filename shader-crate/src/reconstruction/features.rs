@@ -131,8 +131,9 @@ fn after(place: u32, len: u32) -> u32 {
     if place + 1 < len { place + 1 } else { place - place.min(1) }
 }
 
-/// The largest squared difference of the features at two places in rows, by what the features change
-/// from pixel to pixel at the first: `strength` is of that, squared, and `floor` the least of it.
+/// The largest squared difference of the features at two places in rows, by what the features
+/// change from pixel to pixel at the first: `strength` is of that, squared, and `floor` the least
+/// of it.
 pub fn unlikeness(features: &[Features], here: u32, there: u32, strength: f32, floor: f32) -> f32 {
     let (here, there) = (at(features, here), at(features, there));
     let apart = here.squared_differences(&there) / (here.slopes.max(Vec3::splat(floor)) * strength);

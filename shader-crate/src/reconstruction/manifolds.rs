@@ -199,8 +199,8 @@ pub fn splat_pixels(
     *splat = at(colors, lane) * pixel.minus(&manifold).nearness();
 }
 
-/// Kernel: adds what lies on a manifold at pixel `lane`, `blurred`, to its sums. Of `near` the first
-/// component is the least squared distance of a manifold so far, the second a sum of squared
+/// Kernel: adds what lies on a manifold at pixel `lane`, `blurred`, to its sums. Of `near` the
+/// first component is the least squared distance of a manifold so far, the second a sum of squared
 /// nearnesses.
 pub fn slice_manifold(
     lane: u32,

@@ -3,7 +3,7 @@
 //!
 //! What one half takes for [alike](super::patches) weighs the pixels of the other, so that no
 //! weight depends on the noise that it is applied to. Filters that know more of two pixels than
-//! their colours ask for it by [`Unlikeness`].
+//! their colours ask for it by `Unlikeness`.
 
 use super::PictureParams;
 use super::features::{Features, unlikeness};
@@ -83,7 +83,6 @@ pub fn filter_half(
 
 /// Kernel, in phases: the same, where neighbours count for no more than their features, in rows,
 /// let them; the filter [`features`](super::features).
-#[expect(clippy::too_many_arguments, reason = "a phased kernel gets its bindings one by one")]
 pub fn filter_half_by_features(
     phase: u32,
     lane: Lane,
@@ -98,7 +97,6 @@ pub fn filter_half_by_features(
 }
 
 /// A phase of the kernels.
-#[expect(clippy::too_many_arguments, reason = "they are the kernels'")]
 #[inline(always)]
 fn step<U: Unlikeness>(
     phase: u32,

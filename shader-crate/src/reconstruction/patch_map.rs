@@ -1,7 +1,7 @@
 //! Distances of patches, kept in memory for who asks for them more than once.
 //!
 //! For each pixel and each offset of a window of [`WINDOW`] pixels to each side there are 8 bits:
-//! 232 bytes a pixel. They hold the root of the distance, since small distances must be known more
+//! 228 bytes a pixel. They hold the root of the distance, since small distances must be known more
 //! finely than large ones: a step changes a weight `exp(-d)` of one half by 2 %.
 
 use super::patches::{
