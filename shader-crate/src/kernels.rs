@@ -444,7 +444,7 @@ macro_rules! for_each_kernel {
                 write second: $crate::glam::Vec4,
             }
             /// Puts one half of samples in rows.
-            half_in_rows[256] = $crate::reconstruction::nlm::half_in_rows {
+            half_in_rows[256] = $crate::reconstruction::patches::half_in_rows {
                 uniform parameters: $crate::reconstruction::PictureParams,
                 read half: $crate::glam::Vec4,
                 scatter rows: $crate::glam::Vec4,
@@ -454,17 +454,52 @@ macro_rules! for_each_kernel {
                 $crate::reconstruction::nlm::PHASES,
                 $crate::reconstruction::nlm::Memory
             ) = $crate::reconstruction::nlm::filter_half {
-                uniform parameters: $crate::reconstruction::nlm::NlmParams,
+                uniform parameters: $crate::reconstruction::patches::PatchParams,
                 read weighers: $crate::glam::Vec4,
                 read values: $crate::glam::Vec4,
                 scatter filtered: $crate::glam::Vec4,
             }
-            /// Filters one half of samples by first-order regression.
-            regress_half[64] = $crate::reconstruction::regression::regress_half {
-                uniform parameters: $crate::reconstruction::regression::RegressionParams,
-                read guides: $crate::estimator::guide::Guide,
+            /// Filters one half of samples by non-local means of colours and features.
+            filter_half_by_features[128] phased(
+                $crate::reconstruction::nlm::PHASES,
+                $crate::reconstruction::nlm::Memory
+            ) = $crate::reconstruction::nlm::filter_half_by_features {
+                uniform parameters: $crate::reconstruction::patches::PatchParams,
+                read features: $crate::reconstruction::features::Features,
                 read weighers: $crate::glam::Vec4,
                 read values: $crate::glam::Vec4,
+                scatter filtered: $crate::glam::Vec4,
+            }
+            /// Makes what filters compare of the features.
+            describe_features[256] = $crate::reconstruction::features::describe_features {
+                uniform parameters: $crate::reconstruction::features::FeatureParams,
+                read guides: $crate::estimator::guide::Guide,
+                scatter features: $crate::reconstruction::features::Features,
+            }
+            /// Measures how alike the patches of all neighbours are.
+            measure_patches[128] phased(
+                $crate::reconstruction::patch_map::PHASES,
+                $crate::reconstruction::patch_map::Memory
+            ) = $crate::reconstruction::patch_map::measure_patches {
+                uniform parameters: $crate::reconstruction::patches::PatchParams,
+                read weighers: $crate::glam::Vec4,
+                scatter map: u32,
+            }
+            /// Fits planes to one half of samples.
+            fit_planes[64] = $crate::reconstruction::nfor::fit_planes {
+                uniform parameters: $crate::reconstruction::nfor::PlaneParams,
+                read features: $crate::reconstruction::features::Features,
+                read map: u32,
+                read values: $crate::glam::Vec4,
+                scatter planes: $crate::glam::Vec4,
+            }
+            /// Makes one half of samples anew of the planes.
+            collect_planes[64] = $crate::reconstruction::nfor::collect_planes {
+                uniform parameters: $crate::reconstruction::nfor::PlaneParams,
+                read features: $crate::reconstruction::features::Features,
+                read map: u32,
+                read values: $crate::glam::Vec4,
+                read planes: $crate::glam::Vec4,
                 write filtered: $crate::glam::Vec4,
             }
             /// Predicts the parameters of each pixel's own filter.
@@ -492,6 +527,133 @@ macro_rules! for_each_kernel {
                 read first: $crate::glam::Vec4,
                 read filtered_first: $crate::glam::Vec4,
                 read filtered_second: $crate::glam::Vec4,
+                write filtered: $crate::estimator::filtered::FilteredPixel,
+            }
+            /// Begins the choice among the scales of a picture.
+            begin_scales[256] = $crate::reconstruction::gem::begin_scales {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read guides: $crate::estimator::guide::Guide,
+                write filtered: $crate::estimator::filtered::FilteredPixel,
+                write is_settled: u32,
+                scatter colors: $crate::glam::Vec4,
+                scatter variances: $crate::glam::Vec4,
+            }
+            /// Says where the step to a coarser scale does not pay.
+            judge_scale[256] = $crate::reconstruction::gem::judge_scale {
+                uniform parameters: $crate::reconstruction::gem::ScaleParams,
+                read finer_colors: $crate::glam::Vec4,
+                read finer_variances: $crate::glam::Vec4,
+                read coarser_colors: $crate::glam::Vec4,
+                read coarser_variances: $crate::glam::Vec4,
+                write stop: $crate::glam::Vec4,
+            }
+            /// Takes pixels to a coarser scale, where that pays.
+            take_scale[256] = $crate::reconstruction::gem::take_scale {
+                uniform parameters: $crate::reconstruction::gem::ScaleParams,
+                read stops: $crate::glam::Vec4,
+                read blurred: $crate::glam::Vec4,
+                read coarser_colors: $crate::glam::Vec4,
+                write filtered: $crate::estimator::filtered::FilteredPixel,
+                write is_settled: u32,
+            }
+            /// Finds how far what throws light or shadow is.
+            find_occluders[64] = $crate::reconstruction::axis_aligned::find_occluders {
+                uniform parameters: $crate::reconstruction::axis_aligned::AxisParams,
+                read guides: $crate::estimator::guide::Guide,
+                write occluders: $crate::reconstruction::axis_aligned::Occluders,
+            }
+            /// Says how many samples pixels need by how far occluders are.
+            axis_rates[64] = $crate::reconstruction::axis_aligned::axis_rates {
+                uniform parameters: $crate::reconstruction::axis_aligned::AxisParams,
+                read guides: $crate::estimator::guide::Guide,
+                read film: $crate::film::FilmPixel,
+                write estimate: $crate::estimator::Estimate,
+                write error: f32,
+            }
+            /// Filters as widely as occluders are far.
+            filter_axis_aligned[64] = $crate::reconstruction::axis_aligned::filter_axis_aligned {
+                uniform parameters: $crate::reconstruction::axis_aligned::AxisParams,
+                read guides: $crate::estimator::guide::Guide,
+                read occluders: $crate::reconstruction::axis_aligned::Occluders,
+                write filtered: $crate::estimator::filtered::FilteredPixel,
+            }
+            /// Begins a sum over manifolds.
+            begin_manifolds[256] = $crate::reconstruction::manifolds::begin_manifolds {
+                uniform parameters: $crate::reconstruction::PictureParams,
+                read guides: $crate::estimator::guide::Guide,
+                scatter colors: $crate::glam::Vec4,
+                scatter sums: $crate::glam::Vec4,
+                scatter near: $crate::glam::Vec4,
+                scatter clusters: u32,
+            }
+            /// Makes what a manifold is the blur of.
+            begin_manifold[256] = $crate::reconstruction::manifolds::begin_manifold {
+                uniform parameters: $crate::reconstruction::manifolds::ManifoldParams,
+                read features: $crate::reconstruction::features::Features,
+                read clusters: u32,
+                read parent_low: $crate::glam::Vec4,
+                read parent_high: $crate::glam::Vec4,
+                write low: $crate::glam::Vec4,
+                write high: $crate::glam::Vec4,
+            }
+            /// Blurs values along a manifold.
+            blur_along[64] = $crate::reconstruction::manifolds::blur_along {
+                uniform parameters: $crate::reconstruction::manifolds::ManifoldParams,
+                read low: $crate::glam::Vec4,
+                read high: $crate::glam::Vec4,
+                scatter values: $crate::glam::Vec4,
+            }
+            /// Splats pixels onto a manifold.
+            splat_pixels[256] = $crate::reconstruction::manifolds::splat_pixels {
+                uniform parameters: $crate::reconstruction::manifolds::ManifoldParams,
+                read features: $crate::reconstruction::features::Features,
+                read colors: $crate::glam::Vec4,
+                read low: $crate::glam::Vec4,
+                read high: $crate::glam::Vec4,
+                write splat: $crate::glam::Vec4,
+            }
+            /// Adds what lies on a manifold to the pixels near it.
+            slice_manifold[256] = $crate::reconstruction::manifolds::slice_manifold {
+                uniform parameters: $crate::reconstruction::manifolds::ManifoldParams,
+                read features: $crate::reconstruction::features::Features,
+                read low: $crate::glam::Vec4,
+                read high: $crate::glam::Vec4,
+                read blurred: $crate::glam::Vec4,
+                write sum: $crate::glam::Vec4,
+                write near: $crate::glam::Vec4,
+            }
+            /// Finds in which direction pixels are far from their manifold.
+            find_direction[256] = $crate::reconstruction::manifolds::find_direction {
+                uniform parameters: $crate::reconstruction::manifolds::ManifoldParams,
+                read features: $crate::reconstruction::features::Features,
+                read clusters: u32,
+                read low: $crate::glam::Vec4,
+                read high: $crate::glam::Vec4,
+                write direction_low: $crate::glam::Vec4,
+                write direction_high: $crate::glam::Vec4,
+            }
+            /// Puts a direction together.
+            join_direction[64] = $crate::reconstruction::manifolds::join_direction {
+                uniform parameters: $crate::reconstruction::manifolds::ManifoldParams,
+                read parts_low: $crate::glam::Vec4,
+                read parts_high: $crate::glam::Vec4,
+                scatter direction: $crate::glam::Vec4,
+            }
+            /// Splits the pixels about a manifold in two.
+            split_cluster[256] = $crate::reconstruction::manifolds::split_cluster {
+                uniform parameters: $crate::reconstruction::manifolds::ManifoldParams,
+                read features: $crate::reconstruction::features::Features,
+                read low: $crate::glam::Vec4,
+                read high: $crate::glam::Vec4,
+                read direction: $crate::glam::Vec4,
+                write cluster: u32,
+            }
+            /// Makes the picture of a sum over manifolds.
+            finish_manifolds[256] = $crate::reconstruction::manifolds::finish_manifolds {
+                uniform parameters: $crate::reconstruction::manifolds::ManifoldParams,
+                read guides: $crate::estimator::guide::Guide,
+                read sums: $crate::glam::Vec4,
+                read near: $crate::glam::Vec4,
                 write filtered: $crate::estimator::filtered::FilteredPixel,
             }
             /// Makes what the mixture of two filtered pictures averages.

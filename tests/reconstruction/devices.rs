@@ -30,7 +30,7 @@ fn pictures_are_equal_but_for_rounding() {
     let brightest = film.color().into_iter().map(Vec3::max_element).filter(|c| c.is_finite());
     let brightest = brightest.fold(0.0, f32::max);
     with_gpu(|gpu| {
-        for &kind in FilterKind::ALL {
+        for kind in FilterKind::built_in() {
             let a = denoise_on(&CpuExecutor, &film, kind, false);
             let b = denoise_on(gpu, &film, kind, false);
             for (p, (a, b)) in a.iter().zip(&b).enumerate() {

@@ -58,7 +58,8 @@ pub fn filter(film: &Film, kind: FilterKind) -> Vec<Vec3> {
     let executor = &CpuExecutor;
     let (picture, view) = filtered_picture(executor, film, kind);
     let buffers = FilmBuffers::from_film(executor, film).expect("it fits");
-    executor.run(&picture.launches(&buffers, &view)).expect("the device works");
+    let before = picture.inputs().launches(&buffers);
+    picture.run(executor, before, &view, Vec::new()).expect("the device works");
     let ranks = picture.filtered().read(executor).expect("the device works");
     let (width, height) = (film.width, film.height);
     let rank = |p: u32| rank_of_pixel(p % width, p / width, width, height) as usize;
@@ -76,7 +77,7 @@ pub fn denoise_on<E: Executor>(
     let (picture, view) = filtered_picture(executor, film, kind);
     let reconstruction = Reconstruction::new(executor, picture).expect("it fits");
     let buffers = FilmBuffers::from_film(executor, film).expect("it fits");
-    executor.run(&reconstruction.launches(&buffers, &view, control)).expect("the device works");
+    reconstruction.run(executor, &buffers, &view, control).expect("the device works");
     reconstruction.read(executor).expect("the device works")
 }
 

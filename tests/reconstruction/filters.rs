@@ -26,7 +26,7 @@ fn assert_unchanged(film: &Film, kind: FilterKind, what: &str) {
 
 #[test]
 fn pictures_without_noise_stay_as_they_are() {
-    for &kind in FilterKind::ALL {
+    for kind in FilterKind::built_in() {
         for (width, height) in [(1, 1), (1, 9), (17, 3), (24, 16)] {
             let constant = wall(width, height, SAMPLES, |_, _, _| Vec3::new(0.25, 3.0, 0.5));
             assert_unchanged(&constant, kind, "a constant");
@@ -50,7 +50,7 @@ fn ramps_keep_their_slope_under_noise() {
     /// Windows of the filter that sees farthest: `auto` averages over 10 pixels to each side what a
     /// filter of 7 makes of descriptions of 3.
     const BORDER: usize = 20;
-    for &kind in FilterKind::ALL {
+    for kind in FilterKind::built_in() {
         let ramp = |x: u32| 4.0 + 0.01 * x as f32;
         let columns: Vec<[f64; SIZE[0] as usize]> = (0..FILMS)
             .map(|seed| {
@@ -67,7 +67,8 @@ fn ramps_keep_their_slope_under_noise() {
             .collect();
         let inside = BORDER..SIZE[0] as usize - BORDER;
         // A false alarm in one of 10^4 runs.
-        let limit = normal_quantile(1.0 - 0.5e-4 / (inside.len() * FilterKind::ALL.len()) as f64);
+        let limit =
+            normal_quantile(1.0 - 0.5e-4 / (inside.len() * FilterKind::built_in().count()) as f64);
         for x in inside {
             let values: Vec<f64> = columns.iter().map(|column| column[x]).collect();
             let (mean, error) = raystream_tests::statistics::mean_and_error(&values);
@@ -94,7 +95,7 @@ fn lit_wall(x: u32, y: u32) -> Vec3 {
 fn errors_fall_with_samples_without_a_plateau() {
     const SIZE: [u32; 2] = [32, 32];
     let truth = picture_of(SIZE, lit_wall);
-    for &kind in FilterKind::ALL {
+    for kind in FilterKind::built_in() {
         let mut before = f64::INFINITY;
         for samples in [4, 16, 64, 256, 1024, 4096] {
             let film = noisy_wall(SIZE, samples, 3, lit_wall);
@@ -114,19 +115,29 @@ fn errors_fall_with_samples_without_a_plateau() {
 /// little: what squared differences exceed noise by is averaged over a Gaussian of 1 pixel, some 12
 /// pixels, so that it has a deviation of `sqrt(2 / 12)` of the noise. What is below 0 does not
 /// count, which brings 0.16 of the noise on average, and less where the filter is wrong at all.
+///
+/// The estimate of so many pixels is itself off, by the root of 2 / 1024 of the noise, of which this
+/// allows three deviations.
+///
+/// Where a filter sees no shadow, the guard undoes nearly all that it does. With two variances for
+/// noise the estimate is then the noise itself, whatever little the filter may still gain.
 #[test]
 fn the_error_that_is_left_is_known() {
+    /// They look at no colours.
+    const BLIND: [FilterKind; 2] = [FilterKind::AxisAligned, FilterKind::Manifolds];
     const SIZE: [u32; 2] = [32, 32];
     let truth = picture_of(SIZE, shadowed_wall);
-    for &kind in FilterKind::ALL {
+    for kind in FilterKind::built_in() {
         for samples in [16, 64, 256, 1024] {
             let film = noisy_wall(SIZE, samples, 3, shadowed_wall);
             let plain = mean_squared_error(&film.color(), &truth);
             let (picture, errors) = denoise(&film, kind);
             let error = mean_squared_error(&picture, &truth);
             let estimated = errors.iter().map(|&e| f64::from(e)).sum::<f64>() / errors.len() as f64;
+            let off = 3.0 * (2.0 / errors.len() as f64).sqrt() * plain;
+            let above = off + if BLIND.contains(&kind) { plain } else { error + 0.16 * plain };
             assert!(
-                estimated > 0.5 * error && estimated < error + 0.16 * plain,
+                estimated > 0.5 * error && estimated < above,
                 "{kind}, {samples} samples: {error:e} of {plain:e}, by estimate {estimated:e}"
             );
         }
@@ -137,7 +148,7 @@ fn the_error_that_is_left_is_known() {
 fn most_of_the_noise_of_a_flat_wall_goes() {
     const SIZE: [u32; 2] = [32, 32];
     let truth = picture_of(SIZE, |_, _| Vec3::ONE);
-    for &kind in FilterKind::ALL {
+    for kind in FilterKind::built_in() {
         let film = noisy_wall(SIZE, SAMPLES, 5, |_, _| Vec3::ONE);
         let plain = mean_squared_error(&film.color(), &truth);
         let error = mean_squared_error(&denoise(&film, kind).0, &truth);
@@ -149,7 +160,7 @@ fn most_of_the_noise_of_a_flat_wall_goes() {
 #[test]
 fn the_mean_of_the_picture_is_that_of_the_film() {
     let sum = |picture: &[Vec3]| picture.iter().map(|c| c.as_dvec3()).sum::<DVec3>();
-    for &kind in FilterKind::ALL {
+    for kind in FilterKind::built_in() {
         let film = noisy_wall([29, 19], SAMPLES, 7, lit_wall);
         let (a, b) = (sum(&denoise(&film, kind).0), sum(&film.color()));
         let off = ((a - b) / b).abs().max_element();
@@ -159,7 +170,7 @@ fn the_mean_of_the_picture_is_that_of_the_film() {
 
 #[test]
 fn pixels_without_a_measurement_stay_black_and_alone() {
-    for &kind in FilterKind::ALL {
+    for kind in FilterKind::built_in() {
         let mut film = noisy_wall([24, 24], SAMPLES, 9, |_, _| Vec3::ONE);
         let whole = denoise(&film, kind).0;
         film.radiance[12 * 24 + 12].first_sum.x = f32::NAN;

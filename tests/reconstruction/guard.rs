@@ -4,7 +4,7 @@ use super::films::denoise_on;
 use crate::estimator::walls::{SAMPLES, camera, random, wall};
 use glam::{DVec3, Vec3};
 use raystream::exec::cpu::CpuExecutor;
-use raystream::exec::{Array, Executor, Launch};
+use raystream::exec::{Array, Launch};
 use raystream::render::reconstruction::{
     Filter, FilterInputs, FilterView, FilteredPicture, Reconstruction,
 };
@@ -41,7 +41,7 @@ fn the_worst_of_filters_converges() {
         let buffers = FilmBuffers::from_film(executor, &film).expect("it fits");
         let camera = camera(size.width, size.height);
         let view = FilterView { camera, mean_radiance: 1.0 };
-        executor.run(&reconstruction.launches(&buffers, &view, false)).expect("the device works");
+        reconstruction.run(executor, &buffers, &view, false).expect("the device works");
         let guarded = reconstruction.guarded().read(executor).expect("the device works");
         // The variance of a sample is 1/12: of the way back, twice that by the number of samples
         // is missing, some 3e-3 and 4e-5; and noise, of which five deviations are 0.2 and 0.02.
@@ -62,7 +62,7 @@ fn with_a_control_film_the_mean_is_that_of_the_control_film() {
         let number = random(2, (y * 32 + x) as usize, sample);
         Vec3::splat(if sample % 2 == 0 { 0.5 + number } else { 0.4 + number })
     });
-    for &kind in FilterKind::ALL {
+    for kind in FilterKind::built_in() {
         let picture = denoise_on(&CpuExecutor, &film, kind, true);
         let sum: DVec3 = picture.iter().map(|e| e.filtered.as_dvec3()).sum();
         let control = film.halves().expect("it has two").into_iter().next().unwrap_or_default();

@@ -94,7 +94,8 @@ fn error_of(mixed: Box<dyn Filter<<CpuExecutor as Executor>::Buffer>>, truth: &[
     let film = noisy_wall(SIZE, SAMPLES, 5, |_, _| Vec3::ONE);
     let picture = FilteredPicture::with_filter(executor, FILM, mixed).expect("it fits");
     let buffers = FilmBuffers::from_film(executor, &film).expect("it fits");
-    executor.run(&picture.launches(&buffers, &view(FILM))).expect("the device works");
+    let before = picture.inputs().launches(&buffers);
+    picture.run(executor, before, &view(FILM), Vec::new()).expect("the device works");
     let ranks = picture.filtered().read(executor).expect("the device works");
     let mut rows = vec![Vec3::ZERO; ranks.len()];
     for (rank, pixel) in ranks.iter().enumerate() {

@@ -64,6 +64,8 @@ choices! {
 
 choices! {
     Estimator {
+        AxisAligned: "Rates that follow from how far what throws light or shadow on a pixel is \
+                      (Mehta et al.)",
         Bilateral: "The squared difference from the picture after a joint bilateral filter (Podee \
                     et al.)",
         Halves: "The squared difference of the means over two halves of the samples",
@@ -74,10 +76,17 @@ choices! {
 choices! {
     FilterKind {
         Auto: "bilateral and learned, mixed in each pixel as an estimate of the error says is best",
+        AxisAligned: "Gaussians in world distance, as wide as what throws light or shadow is far",
         Bilateral: "A joint bilateral filter: compares what the camera sees, and colours",
+        Features: "Non-local means that compare patches and what the camera sees, in three ways, \
+                   mixed likewise",
+        Gem: "The widest Gaussian that pays in each pixel; by colours alone, fast",
         Learned: "A joint bilateral filter, whose parameters a small network sets for each pixel",
+        Manifolds: "A wide joint bilateral filter, by a few manifolds: compares what the camera \
+                    sees",
+        Nfor: "Planes in what the camera sees, fitted with weights as of nlm; slow",
         Nlm: "Non-local means: compares patches of the picture's halves",
-        Regression: "Planes in what the camera sees, fitted with such weights; slow",
+        Oidn: "Open Image Denoise 2, where it is installed (a library; RAYSTREAM_OIDN names it)",
     }
 }
 

@@ -47,7 +47,8 @@ pub struct Denoised {
 /// Filters a picture on a device.
 ///
 /// # Errors
-/// If the device fails, has no room for it, or cannot give a kernel so large a picture.
+/// If the device fails, has no room for it, or cannot give a kernel so large a picture; or if a
+/// library that the filter needs is not there.
 pub fn denoise<E: Executor>(
     executor: E,
     picture: &NoisyPicture,
@@ -59,9 +60,7 @@ pub fn denoise<E: Executor>(
     let inputs = reconstruction.inputs();
     picture.write(&executor, inputs)?;
     let view = FilterView { camera: picture.camera(), mean_radiance: picture.mean_radiance() };
-    let mut launches = inputs.calibration();
-    launches.extend(reconstruction.filter_launches(&view, picture.has_control_film()));
-    executor.run(&launches)?;
+    reconstruction.run_inputs(&executor, &view, picture.has_control_film())?;
     let pixels = reconstruction.read(&executor)?;
     let (color, squared_error) = pixels.iter().map(|p| (p.filtered, p.squared_error)).unzip();
     Ok(Denoised { color, squared_error })

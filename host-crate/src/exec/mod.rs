@@ -202,6 +202,19 @@ pub enum ExecError {
         /// The device's limit.
         limit: u64,
     },
+    /// A library that was asked for is not there, or fails.
+    #[error(
+        "{name} cannot be used: {reason}; install it, name its library in the environment variable \
+         {variable}, or choose another filter"
+    )]
+    Library {
+        /// What it is called.
+        name: &'static str,
+        /// The environment variable that says where it lies.
+        variable: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
     /// The driver reported an error or lost the device.
     #[error("{device} failed: {message}; update its driver or use the CPU")]
     Device {

@@ -194,15 +194,12 @@ impl<E: Executor> Renderer<E> {
         &self,
         reconstruction: &Reconstruction<E::Buffer>,
     ) -> Result<Timings, ExecError> {
-        let mut launches = TimedLaunches::default();
         let view = FilterView {
             camera: self.state.parameters.camera,
             mean_radiance: self.estimation.mean_radiance(),
         };
         let control = self.sampling.split() == Split::Control;
-        let filter = reconstruction.launches(&self.state.film, &view, control);
-        launches.add(filter, Part::Reconstruction);
-        launches.run(&self.state.executor)
+        reconstruction.run(&self.state.executor, &self.state.film, &view, control)
     }
 
     /// Whether the picture's relative error is at most [`Sampling::noise`], or that of every pixel

@@ -8,13 +8,19 @@
 //! and [`mean`] gives the picture back the light that the filter has lost. Whatever the filter gets
 //! wrong, the picture therefore converges to the truth.
 
+pub mod axis_aligned;
+pub mod features;
+pub mod gem;
 pub mod guard;
 pub mod halves;
 pub mod learned;
+pub mod manifolds;
 pub mod mean;
 pub mod mixture;
+pub mod nfor;
 pub mod nlm;
-pub mod regression;
+pub mod patch_map;
+pub mod patches;
 
 use crate::film::tiles::pixel_of_rank;
 use crate::memory::device_struct;

@@ -11,7 +11,7 @@ use raystream::scene::FilmSize;
 use raystream_tests::{prepare, scenes, settings, with_gpu};
 
 const ALLOCATORS: [AllocatorKind; 4] = [Uniform, Paper, Atomic, Runs];
-const ESTIMATORS: [Estimator; 3] = [Estimator::Bilateral, Estimator::Halves, Estimator::Variance];
+const ESTIMATORS: &[Estimator] = Estimator::ALL;
 
 /// The picture and what is said of it are numbers.
 fn assert_finite(film: &Film, what: &str) {
@@ -35,7 +35,7 @@ fn assert_budgets<E: Executor>(
     look: impl Fn(&Film, &str),
 ) {
     for allocator in ALLOCATORS {
-        for estimator in ESTIMATORS {
+        for &estimator in ESTIMATORS {
             for relative in [false, true] {
                 let sampling = Sampling {
                     relative,

@@ -4,15 +4,15 @@ use crate::films::{self, Noisy, Sampled, view};
 use crate::rooms;
 use anyhow::{Context, Result};
 use glam::{Vec3, Vec4};
-use raystream::exec::Executor;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::film::Film;
+use raystream::image::read_color;
 use raystream::render::reconstruction::auto::Auto;
 use raystream::render::reconstruction::learned::Learned;
 use raystream::render::reconstruction::{Filter, FilteredPicture, Reconstruction, create};
-use raystream::render::{FilmBuffers, FilterKind, FilterSettings};
+use raystream::render::{FilmBuffers, FilterKind, FilterSettings, Settings};
 use raystream::scene::{FilmSize, Scene, load, load_named};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What is compared, and on what.
 #[derive(clap::Args)]
@@ -39,6 +39,12 @@ pub struct Arguments {
     /// Height of the pictures.
     #[arg(long, default_value_t = 120)]
     height: u32,
+    /// Compare with `reference.exr` in each scene's folder, averaged over blocks of pixels.
+    #[arg(long)]
+    references: bool,
+    /// How far rays start from surfaces, in roundings; see `raystream render --help`.
+    #[arg(long, value_name = "ROUNDINGS")]
+    ray_offset: Option<f32>,
     /// Where rendered films are kept.
     #[arg(long, value_name = "FOLDER")]
     cache: PathBuf,
@@ -47,8 +53,8 @@ pub struct Arguments {
     adaptive: bool,
 }
 
-/// Prints by how much the squared error of each filter is below that of no filter: all of it,
-/// without the worst thousandth of pixels, and relative to brightness.
+/// Prints the squared error without a filter, and by how much that of each filter is below it: all
+/// of it, without the worst thousandth of pixels, and relative to brightness.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let weights = match &arguments.weights {
         Some(path) => {
@@ -66,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             let Sampled { samples, is_adaptive, .. } = sampled;
             let mut errors = vec![[0.0; 3]; arguments.filters.len() + 1];
             for (_, Noisy { film, reference }) in noisy {
-                add(&mut errors[0], measure(&film.color(), reference));
+                add(&mut errors[0], measure(&film.plain(), reference));
                 for (sum, &kind) in errors[1..].iter_mut().zip(&arguments.filters) {
                     let picture = filter(&scene, film, kind, is_adaptive, &weights)?;
                     add(sum, measure(&picture, reference));
@@ -85,6 +91,7 @@ impl Arguments {
     fn films(&self, name: &str, scene: &Scene) -> Result<Vec<(Sampled, Noisy)>> {
         std::fs::create_dir_all(&self.cache)
             .with_context(|| format!("cannot create {}", self.cache.display()))?;
+        let scene_file = Path::new(name);
         let name = name.replace(['/', ':'], "_");
         let ways = [false, true].into_iter().filter(|&is_adaptive| !is_adaptive || self.adaptive);
         let sampled = self.spp.iter().flat_map(|&samples| {
@@ -98,15 +105,20 @@ impl Arguments {
             let FilmSize { width, height } = scene.film;
             let path = self.cache.join(format!(
                 "{name}-{width}x{height}-{}-{samples}-{is_adaptive}-{seed}",
-                self.reference_spp
+                if self.references { 0 } else { self.reference_spp }
             ));
             if path.exists() {
                 return Ok((sampled, Noisy::read(&path, width, height)?));
             }
             let prepared = films::prepare(scene)?;
-            let film = films::render(scene, &prepared, sampled)?;
+            let offset = self.ray_offset.unwrap_or(Settings::for_scene(scene).ray_offset);
+            let film = films::render_from(scene, &prepared, sampled, offset)?;
             if many.is_none() {
-                many = Some(films::reference(scene, &prepared, self.reference_spp)?);
+                many = Some(if self.references {
+                    reference_beside(scene_file, scene.film)?
+                } else {
+                    films::reference(scene, &prepared, self.reference_spp)?
+                });
             }
             let noisy = Noisy { film, reference: many.clone().unwrap_or_default() };
             noisy.write(&path)?;
@@ -121,7 +133,7 @@ impl Arguments {
             let size = FilmSize { width: height * 4 / 3, height };
             return Ok(rooms::room(number.parse()?, size));
         }
-        let path = std::path::Path::new(name);
+        let path = Path::new(name);
         let mut scene = if path.exists() { load(path)? } else { load_named(name)? };
         scene.film = FilmSize { width: height * scene.film.width / scene.film.height, height };
         Ok(scene)
@@ -151,8 +163,30 @@ fn filter(
     let reconstruction = Reconstruction::new(executor, picture)?;
     let buffers = FilmBuffers::from_film(executor, film)?;
     let view = view(scene, film);
-    executor.run(&reconstruction.launches(&buffers, &view, has_control_film))?;
+    reconstruction.run(executor, &buffers, &view, has_control_film)?;
     Ok(reconstruction.read(executor)?.iter().map(|pixel| pixel.filtered).collect())
+}
+
+/// The picture `reference.exr` beside a scene's file, averaged over blocks to a size.
+fn reference_beside(scene_file: &Path, size: FilmSize) -> Result<Vec<Vec3>> {
+    let path = scene_file.with_file_name("reference.exr");
+    let picture = read_color(&path)?;
+    let block = picture.width / size.width;
+    anyhow::ensure!(
+        block > 0 && [picture.width, picture.height] == [block * size.width, block * size.height],
+        "{}: {}x{} pixels are no blocks of {}x{}; give another --height",
+        path.display(),
+        picture.width,
+        picture.height,
+        size.width,
+        size.height
+    );
+    let mean = |place: u32| {
+        let (x, y) = (place % size.width * block, place / size.width * block);
+        let pixels = (0..block * block).map(|k| (y + k / block) * picture.width + x + k % block);
+        pixels.map(|p| picture.pixels[p as usize]).sum::<Vec3>() / (block * block) as f32
+    };
+    Ok((0..size.width * size.height).map(mean).collect())
 }
 
 /// Mean squared error, the same without the worst thousandth, and relative.
@@ -187,7 +221,8 @@ impl Gains {
     fn print(&mut self, label: &str, filters: &[FilterKind], errors: &[[f64; 3]]) {
         self.sums.resize(filters.len(), [0.0; 3]);
         self.count += 1.0;
-        let mut line = format!("{label:<32}");
+        let [all, trimmed, relative] = errors[0];
+        let mut line = format!("{label:<32}  none {all:.4e} / {trimmed:.4e} / {relative:.4e}");
         for (k, filter) in filters.iter().enumerate() {
             let gains: [f64; 3] = std::array::from_fn(|m| errors[0][m] / errors[k + 1][m]);
             add(&mut self.sums[k], gains.map(f64::ln));

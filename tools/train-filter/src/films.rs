@@ -41,10 +41,20 @@ pub struct Sampled {
 
 /// Renders a film of a scene on the CPU.
 pub fn render(scene: &Scene, prepared: &PreparedScene, sampled: Sampled) -> Result<Film> {
+    render_from(scene, prepared, sampled, Settings::for_scene(scene).ray_offset)
+}
+
+/// The same with rays that start so far from surfaces, in roundings.
+pub fn render_from(
+    scene: &Scene,
+    prepared: &PreparedScene,
+    sampled: Sampled,
+    ray_offset: f32,
+) -> Result<Film> {
     let Sampled { samples, is_adaptive, seed } = sampled;
     let sampling = if is_adaptive { Sampling::ADAPTIVE } else { Sampling::UNIFORM };
     let sampling = Sampling { halves: true, ..sampling };
-    let settings = Settings { seed, sampling, ..Settings::for_scene(scene) };
+    let settings = Settings { seed, sampling, ray_offset, ..Settings::for_scene(scene) };
     let mut renderer = Renderer::new(&CpuExecutor, prepared, &settings)?;
     run(&mut renderer, Budget::samples(samples), &|| false, &mut |_| ())?;
     renderer.finish_features()?;

@@ -14,6 +14,7 @@ mod interrupt;
 mod kills;
 mod memory;
 mod models;
+mod oidn;
 mod options;
 mod outputs;
 mod program;

@@ -2,6 +2,7 @@
 
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::{Band, FilmBuffers, in_rows};
+use crate::render::reconstruction::axis_aligned;
 use crate::render::settings::estimation::Estimator;
 use crate::render::settings::sampling::{AllocatorKind, Sampling};
 use crate::scene::FilmSize;
@@ -9,6 +10,7 @@ use bytemuck::Zeroable;
 use raystream_shaders::estimator::bilateral::FilterParams;
 use raystream_shaders::estimator::guide::{Guide, GuideParams, HALVES, SUM_OF_SQUARES};
 use raystream_shaders::estimator::{ErrorForm, ErrorTotal, Estimate, NoiseParams, TotalParams};
+use raystream_shaders::reconstruction::axis_aligned::AxisParams;
 use raystream_shaders::scene::camera::Camera;
 
 /// What the largest buffer is called in errors.
@@ -119,6 +121,11 @@ impl<B> EstimateBuffers<B> {
             let shared = sampling.estimation.filter.parameters(camera, form);
             let parameters = FilterParams { threads, first_rank, ..shared };
             return kernels::filter_errors(&parameters, guides, film, estimates, errors);
+        }
+        if sampling.estimator == Estimator::AxisAligned {
+            let shared = axis_aligned::parameters(camera);
+            let parameters = AxisParams { threads, first_rank, form, ..shared };
+            return kernels::axis_rates(&parameters, guides, film, estimates, errors);
         }
         let smooth = u32::from(sampling.estimation.smooth);
         let noise = NoiseParams {

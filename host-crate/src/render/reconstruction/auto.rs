@@ -2,15 +2,12 @@
 
 use super::bilateral::Bilateral;
 use super::learned::{self, Learned};
+use super::mixture::mix;
 use super::{Filter, FilterInputs, FilterView};
-use crate::exec::{Array, ExecError, Executor, Launch, kernels};
+use crate::exec::{Array, ExecError, Executor, Launch};
 use crate::render::settings::estimation::FilterSettings;
 use crate::scene::FilmSize;
 use raystream_shaders::estimator::filtered::FilteredPixel;
-
-/// Standard deviation, in pixels, of the Gaussian over which the estimate is averaged: that of 200
-/// pixels is a twentieth of their errors off or so, and light changes little over as many.
-const MIXTURE_SIGMA: f32 = 4.0;
 
 /// A mixture of filters.
 pub struct Auto<B> {
@@ -60,21 +57,7 @@ impl<B: Send + Sync + 'static> Filter<B> for Auto<B> {
     ) -> Vec<Launch<'a, B>> {
         let mut launches = self.first.launches(inputs, view, &self.by_first);
         launches.extend(self.second.launches(inputs, view, &self.by_second));
-        launches.push(kernels::mixture_terms(
-            &inputs.parameters(),
-            inputs.guides.view(),
-            self.by_first.view(),
-            self.by_second.view(),
-            inputs.rows.view(),
-        ));
-        launches.extend(inputs.blur(MIXTURE_SIGMA));
-        launches.push(kernels::mix_filtered(
-            &inputs.parameters(),
-            self.by_first.view(),
-            self.by_second.view(),
-            inputs.rows.view(),
-            filtered.view(),
-        ));
+        launches.extend(mix(inputs, &self.by_first, &self.by_second, filtered));
         launches
     }
 }

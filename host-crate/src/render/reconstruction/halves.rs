@@ -23,30 +23,38 @@ impl<B> FilteredHalves<B> {
         Ok(Self { first_rows, second_rows, first: half()?, second: half()? })
     }
 
-    /// The launches after which `filtered` is of both halves of `inputs`: `filter` makes that which
-    /// filters a half, of what weighs it and the half, both in rows, and where the result goes.
-    /// Each is weighed by the other.
-    pub fn launches<'a>(
+    /// The launches after which the halves are those of `inputs`; before all of [`Self::filter`].
+    pub fn rows<'a>(&'a self, inputs: &'a FilterInputs<B>) -> [Launch<'a, B>; 2] {
+        let parameters = inputs.parameters();
+        [
+            kernels::half_in_rows(&parameters, inputs.first.view(), self.first_rows.view()),
+            kernels::half_in_rows(&parameters, inputs.second.view(), self.second_rows.view()),
+        ]
+    }
+
+    /// The launches after which `filtered` is of both halves: `filter` makes those which filter a
+    /// half, of what weighs it and the half, both in rows, and where the result goes. Each is
+    /// weighed by the other.
+    pub fn filter<'a, L>(
         &'a self,
         inputs: &'a FilterInputs<B>,
         filtered: &'a Array<B, FilteredPixel>,
-        filter: impl Fn(&'a Array<B, Vec4>, &'a Array<B, Vec4>, &'a Array<B, Vec4>) -> Launch<'a, B>,
-    ) -> Vec<Launch<'a, B>> {
+        filter: impl Fn(&'a Array<B, Vec4>, &'a Array<B, Vec4>, &'a Array<B, Vec4>) -> L,
+    ) -> Vec<Launch<'a, B>>
+    where
+        L: IntoIterator<Item = Launch<'a, B>>,
+    {
         let (first, second) = (&self.first_rows, &self.second_rows);
-        let parameters = inputs.parameters();
-        vec![
-            kernels::half_in_rows(&parameters, inputs.first.view(), first.view()),
-            kernels::half_in_rows(&parameters, inputs.second.view(), second.view()),
-            filter(second, first, &self.first),
-            filter(first, second, &self.second),
-            kernels::join_halves(
-                &parameters,
-                inputs.guides.view(),
-                inputs.first.view(),
-                self.first.view(),
-                self.second.view(),
-                filtered.view(),
-            ),
-        ]
+        let mut launches: Vec<_> = filter(second, first, &self.first).into_iter().collect();
+        launches.extend(filter(first, second, &self.second));
+        launches.push(kernels::join_halves(
+            &inputs.parameters(),
+            inputs.guides.view(),
+            inputs.first.view(),
+            self.first.view(),
+            self.second.view(),
+            filtered.view(),
+        ));
+        launches
     }
 }

@@ -5,30 +5,45 @@
 //! at of that, by guard and mean.
 
 pub mod auto;
+pub(super) mod axis_aligned;
 mod bilateral;
+mod features;
+mod gem;
 mod halves;
 mod inputs;
 pub mod learned;
+mod manifolds;
+mod mixture;
+mod nfor;
 mod nlm;
-mod regression;
+pub mod oidn;
 
 pub use inputs::{FilterInputs, FilterView};
 
 use self::auto::Auto;
+use self::axis_aligned::AxisAligned;
 use self::bilateral::Bilateral;
+use self::features::ByFeatures;
+use self::gem::Gem;
 use self::learned::Learned;
+use self::manifolds::Manifolds;
+use self::nfor::Nfor;
 use self::nlm::Nlm;
-use self::regression::Regression;
+use self::oidn::Oidn;
 use super::film::control::ControlFilm;
-use super::film::{FilmBuffers, in_rows};
+use super::film::{FilmBuffers, in_rows, row_place};
+use super::round::launches::TimedLaunches;
 use super::settings::estimation::FilterSettings;
 use super::settings::reconstruction::FilterKind;
+use super::timings::{Part, Timings};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::Estimate;
 use raystream_shaders::estimator::filtered::FilteredPixel;
+use raystream_shaders::estimator::guide::Guide;
 use raystream_shaders::reconstruction::mean::MeanParams;
+use std::time::Instant;
 
 /// Standard deviation, in pixels, of the Gaussian over which the guard averages.
 const GUARD_SIGMA: f32 = 1.0;
@@ -45,12 +60,27 @@ pub trait Filter<B>: Send + Sync {
         view: &FilterView,
         filtered: &'a Array<B, FilteredPixel>,
     ) -> Vec<Launch<'a, B>>;
+
+    /// What is done in the host's memory once these have been run, in the place of them: for
+    /// libraries that are no kernels.
+    fn on_host(&self) -> Option<&dyn HostFilter> {
+        None
+    }
+}
+
+/// A filter that works in the host's memory.
+pub trait HostFilter: Send + Sync {
+    /// The filtered picture of guides, both in rows.
+    ///
+    /// # Errors
+    /// If the library fails that it calls.
+    fn filter(&self, size: FilmSize, guides: &[Guide]) -> Result<Vec<FilteredPixel>, ExecError>;
 }
 
 /// A filter for pictures of `size`; `settings` are those of `bilateral`, which `auto` has too.
 ///
 /// # Errors
-/// If the device has no room for what it works in.
+/// If the device has no room for what it works in, or a library is not there.
 pub fn create<E: Executor>(
     executor: &E,
     size: FilmSize,
@@ -59,10 +89,15 @@ pub fn create<E: Executor>(
 ) -> Result<Box<dyn Filter<E::Buffer>>, ExecError> {
     Ok(match kind {
         FilterKind::Auto => Box::new(Auto::new(executor, size, settings)?),
+        FilterKind::AxisAligned => Box::new(AxisAligned::new(executor, size)?),
         FilterKind::Bilateral => Box::new(Bilateral::new(settings)),
+        FilterKind::Features => Box::new(ByFeatures::new(executor, size)?),
+        FilterKind::Gem => Box::new(Gem::new(executor, size)?),
         FilterKind::Learned => Box::new(Learned::new(executor, size, &learned::weights())?),
+        FilterKind::Manifolds => Box::new(Manifolds::new(executor, size)?),
+        FilterKind::Nfor => Box::new(Nfor::new(executor, size)?),
+        FilterKind::Oidn => Box::new(Oidn::load()?),
         FilterKind::Nlm => Box::new(Nlm::new(executor, size)?),
-        FilterKind::Regression => Box::new(Regression::new(executor, size)?),
     })
 }
 
@@ -113,20 +148,46 @@ impl<B: Send + Sync + 'static> FilteredPicture<B> {
         &self.filtered
     }
 
-    /// The launches after which [`Self::filtered`] is that of `film`.
-    pub fn launches<'a>(
+    /// Filters the inputs as the launches `before` leave them, so that [`Self::filtered`] is the
+    /// picture of these, and runs the launches `after`. Returns where the time went.
+    ///
+    /// # Errors
+    /// If the device fails, or a library that the filter is.
+    pub fn run<'a, E: Executor<Buffer = B>>(
         &'a self,
-        film: &'a FilmBuffers<B>,
+        executor: &E,
+        before: Vec<Launch<'a, B>>,
         view: &FilterView,
-    ) -> Vec<Launch<'a, B>> {
-        let mut launches = self.inputs.launches(film);
-        launches.extend(self.filter_launches(view));
+        after: Vec<Launch<'a, B>>,
+    ) -> Result<Timings, ExecError> {
+        let mut launches = TimedLaunches::default();
+        launches.add(before, Part::Reconstruction);
         launches
+            .add(self.filter.launches(&self.inputs, view, &self.filtered), Part::Reconstruction);
+        let mut timings = Timings::default();
+        if let Some(filter) = self.filter.on_host() {
+            timings += launches.run(executor)?;
+            let start = Instant::now();
+            self.run_on_host(executor, filter)?;
+            timings[Part::Reconstruction] += start.elapsed();
+            launches = TimedLaunches::default();
+        }
+        launches.add(after, Part::Reconstruction);
+        timings += launches.run(executor)?;
+        Ok(timings)
     }
 
-    /// The same of the inputs as they are.
-    pub fn filter_launches<'a>(&'a self, view: &FilterView) -> Vec<Launch<'a, B>> {
-        self.filter.launches(&self.inputs, view, &self.filtered)
+    fn run_on_host<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        filter: &dyn HostFilter,
+    ) -> Result<(), ExecError> {
+        let size = self.inputs.size;
+        let guides = in_rows(size, self.inputs.guides.read(executor)?);
+        let rows = filter.filter(size, &guides)?;
+        let ranks = 0..rows.len() as u32;
+        let ranked: Vec<_> = ranks.map(|rank| rows[row_place(size, rank)]).collect();
+        self.filtered.write(executor, &ranked)
     }
 }
 
@@ -166,30 +227,47 @@ impl<B: Send + Sync + 'static> Reconstruction<B> {
         &self.guarded
     }
 
-    /// The launches after which the picture is that of `film`. With `control` the first half of
-    /// the film's samples is a control film, whose mean is the right one.
-    pub fn launches<'a>(
-        &'a self,
-        film: &'a FilmBuffers<B>,
+    /// Filters `film`. With `control` the first half of the film's samples is a control film, whose
+    /// mean is the right one. Returns where the time went.
+    ///
+    /// # Errors
+    /// If the device fails, or a library that the filter is.
+    pub fn run<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        film: &FilmBuffers<B>,
         view: &FilterView,
         control: bool,
-    ) -> Vec<Launch<'a, B>> {
-        let mut launches = self.picture.inputs.launches(film);
-        launches.extend(self.filter_launches(view, control));
-        launches
+    ) -> Result<Timings, ExecError> {
+        let before = self.inputs().launches(film);
+        self.picture.run(executor, before, view, self.after_filter(control))
     }
 
-    /// The same of the inputs as they are.
-    pub fn filter_launches<'a>(&'a self, view: &FilterView, control: bool) -> Vec<Launch<'a, B>> {
+    /// The same of inputs that have been written, and are still to be
+    /// [calibrated](FilterInputs::calibration).
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn run_inputs<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        view: &FilterView,
+        control: bool,
+    ) -> Result<Timings, ExecError> {
+        let before = self.inputs().calibration();
+        self.picture.run(executor, before, view, self.after_filter(control))
+    }
+
+    /// The launches of the guard and of the mean.
+    fn after_filter(&self, control: bool) -> Vec<Launch<'_, B>> {
         let FilteredPicture { inputs, filtered, .. } = &self.picture;
         let parameters = inputs.parameters();
-        let mut launches = self.picture.filter_launches(view);
-        launches.push(kernels::guard_terms(
+        let mut launches = vec![kernels::guard_terms(
             &parameters,
             inputs.guides.view(),
             filtered.view(),
             inputs.rows.view(),
-        ));
+        )];
         launches.extend(inputs.blur(GUARD_SIGMA));
         launches.push(kernels::guard(
             &parameters,

@@ -5,12 +5,13 @@ use super::{Filter, FilterInputs, FilterView};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::scene::FilmSize;
 use raystream_shaders::estimator::filtered::FilteredPixel;
-use raystream_shaders::reconstruction::nlm::NlmParams;
+use raystream_shaders::reconstruction::nlm::LARGEST_WINDOW;
+use raystream_shaders::reconstruction::patches::{LARGEST_PATCH, PatchParams};
 
 /// Deviations by which differences are measured (Rousselle et al. 2012).
-const STRENGTH: f32 = 0.45;
+pub(super) const STRENGTH: f32 = 0.45;
 /// Variances that are taken off squared differences: their expectation.
-const EXPLAINED: f32 = 1.0;
+pub(super) const EXPLAINED: f32 = 1.0;
 
 /// Non-local means.
 pub struct Nlm<B> {
@@ -32,9 +33,17 @@ impl<B: Send + Sync + 'static> Filter<B> for Nlm<B> {
         filtered: &'a Array<B, FilteredPixel>,
     ) -> Vec<Launch<'a, B>> {
         let FilmSize { width, height } = inputs.size;
-        let parameters = NlmParams::new(width, height, STRENGTH * STRENGTH, EXPLAINED);
-        self.halves.launches(inputs, filtered, |weighers, values, to| {
-            kernels::filter_half(&parameters, weighers.view(), values.view(), to.view())
-        })
+        let parameters = PatchParams::new(
+            (width, height),
+            STRENGTH * STRENGTH,
+            EXPLAINED,
+            LARGEST_PATCH,
+            LARGEST_WINDOW,
+        );
+        let mut launches = Vec::from(self.halves.rows(inputs));
+        launches.extend(self.halves.filter(inputs, filtered, |weighers, values, to| {
+            [kernels::filter_half(&parameters, weighers.view(), values.view(), to.view())]
+        }));
+        launches
     }
 }

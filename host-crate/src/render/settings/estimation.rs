@@ -10,6 +10,9 @@ use raystream_shaders::scene::camera::Camera;
 /// What the error of a pixel is taken to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Estimator {
+    /// The variance of the pixel's mean; but allocators go by rates that say, before any sample,
+    /// what a pixel needs: by how far what throws light or shadow on it is (Mehta et al.).
+    AxisAligned,
     /// The squared difference from the picture after a joint bilateral filter (Podee et al.).
     #[default]
     Bilateral,
@@ -21,6 +24,7 @@ pub enum Estimator {
 
 named! {
     Estimator {
+        AxisAligned: "axis-aligned",
         Bilateral: "bilateral",
         Halves: "halves",
         Variance: "variance",
