@@ -177,20 +177,20 @@ pub fn measure_distances<const AT_ONCE: u32, const N: usize>(
     memory: &mut [u32; N],
 ) {
     let border = LARGEST_PATCH as i32;
-    let mut k = 0;
-    while k < AT_ONCE {
-        let (dx, dy) = params.step(first + k);
-        let mut place = index;
-        while place < DISTANCES {
-            let x = left + (place % BORDERED_WIDTH) as i32 - border;
-            let y = top + (place / BORDERED_WIDTH) as i32 - border;
-            let here = at(weighers, params.place_near(x, y));
+    let mut place = index;
+    while place < DISTANCES {
+        let x = left + (place % BORDERED_WIDTH) as i32 - border;
+        let y = top + (place / BORDERED_WIDTH) as i32 - border;
+        let here = at(weighers, params.place_near(x, y));
+        let mut k = 0;
+        while k < AT_ONCE {
+            let (dx, dy) = params.step(first + k);
             let there = at(weighers, params.place_near(x + dx, y + dy));
             *local_mut(memory, k * DISTANCES + place) =
                 distance(params.strength, params.explained, here, there).to_bits();
-            place += LANES;
+            k += 1;
         }
-        k += 1;
+        place += LANES;
     }
 }
 
