@@ -37,7 +37,7 @@ impl FilmFile {
             let picture = Reconstruction::new(executor, filtered)?;
             let mean_radiance = progress.mean_radiance_bits.map_or(0.0, f32::from_bits);
             let view = FilterView { camera: self.header.camera, mean_radiance };
-            executor.run(&picture.launches(&buffers, &view, self.header.has_control))?;
+            picture.run(executor, &buffers, &view, self.header.has_control)?;
             film.denoised = Some(picture.read(executor)?);
         }
         Ok(film)

@@ -148,15 +148,20 @@ pub fn fit_planes(
     }
     let mut term = 0;
     while term < TERMS {
-        let last = if term == 0 {
-            own
-        } else if term == 1 {
-            slope
-        } else {
-            0.0
-        };
+        let last = last_component(term, own, slope);
         planes.set(term * pixels + place, local(&sums, term).extend(last));
         term += 1;
+    }
+}
+
+/// What the last component of a plane's term says.
+fn last_component(term: u32, own: f32, slope: f32) -> f32 {
+    if term == 0 {
+        own
+    } else if term == 1 {
+        slope
+    } else {
+        0.0
     }
 }
 

@@ -92,11 +92,9 @@ impl<'a, A: Abilities> BvhView<'a, A> {
         let mut space = self.world(ray);
         let mut hit = Hit::miss(ray.t_max);
         let (mut stack, mut stack_inside): (Stack, Stack) = (scratch(), scratch());
-        let mut stacked = 0;
+        let (mut stacked, mut is_last) = (0, false);
         let mut group = Work::all_of(0).group;
-        let mut is_last = false;
-        let mut first_triangle = 0;
-        let mut triangles = 0;
+        let (mut first_triangle, mut triangles) = (0, 0);
         loop {
             let is_inside = self.abilities.has(INSTANCES) && space.is_inside;
             if triangles == 0 {
