@@ -134,6 +134,8 @@ fn the_error_that_is_left_is_known() {
             let (picture, errors) = denoise(&film, kind);
             let error = mean_squared_error(&picture, &truth);
             let estimated = errors.iter().map(|&e| f64::from(e)).sum::<f64>() / errors.len() as f64;
+            // Three standard errors of a mean of squares, each of which deviates by sqrt(2) of its
+            // own mean.
             let off = 3.0 * (2.0 / errors.len() as f64).sqrt() * plain;
             let above = off + if BLIND.contains(&kind) { plain } else { error + 0.16 * plain };
             assert!(
