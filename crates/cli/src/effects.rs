@@ -231,6 +231,7 @@ mod tests {
         "filter",
         "films",
         "filters",
+        "fps",
         "frames",
         "help",
         "instances",

@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::Duration;
 
 /// Some numbers of frames, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,6 +33,19 @@ impl FromStr for Frames {
         parsed().ok_or_else(|| {
             format!("'{text}' are not frames, such as 17, 1-240 or, every tenth, 1-240x10")
         })
+    }
+}
+
+/// The time of a frame, of which there are so many in a second.
+pub fn time(frame: u32, rate: f64) -> Duration {
+    Duration::from_secs_f64(f64::from(frame) / rate)
+}
+
+/// A number of frames in a second.
+pub fn parse_rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if (0.001..=1e6).contains(&rate) => Ok(rate),
+        _ => Err(format!("'{text}' is not a number of frames in a second, such as 24 or 29.97")),
     }
 }
 
@@ -70,6 +84,14 @@ mod tests {
         assert_eq!(numbers("10-31x10"), [10, 20, 30]);
         for wrong in ["", "a", "4-1", "1-", "-1", "1-4x0", "1-4x", "1,2", "4294967296"] {
             assert!(wrong.parse::<Frames>().unwrap_err().contains("1-240"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn frames_have_times() {
+        assert_eq!(time(36, parse_rate("24").unwrap()), Duration::from_millis(1500));
+        for wrong in ["", "0", "-24", "inf", "NaN", "1e9"] {
+            assert!(parse_rate(wrong).unwrap_err().contains("29.97"), "{wrong}");
         }
     }
 

@@ -26,7 +26,7 @@ pub struct LoadArguments {
     instances: Instancing,
     /// Show a glTF at this time of its first animation: nodes, skins and morph targets.
     #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
-    at: Option<Duration>,
+    pub at: Option<Duration>,
     #[command(flatten)]
     environment: EnvironmentArguments,
     #[command(flatten)]

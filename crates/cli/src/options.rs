@@ -170,6 +170,11 @@ impl SettingsArguments {
         self.seed
     }
 
+    /// Shows a glTF at a time of its animation, if one is given.
+    pub fn show_at(&mut self, time: Option<Duration>) {
+        self.load.at = time.or(self.load.at);
+    }
+
     /// Makes it another one.
     pub fn set_seed(&mut self, seed: u32) {
         self.seed = seed;

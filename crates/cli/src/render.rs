@@ -82,6 +82,16 @@ pub struct RenderArguments {
     /// is added to the seed.
     #[arg(long, value_name = "FRAMES")]
     frames: Option<Frames>,
+    /// Frames of a second: show a glTF at the time of each frame in its first animation, frame 0 at
+    /// its start.
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "frames",
+        conflicts_with = "at",
+        value_parser = frames::parse_rate
+    )]
+    fps: Option<f64>,
     /// The frame that is being rendered.
     #[arg(skip)]
     frame: Option<u32>,
@@ -118,6 +128,7 @@ pub fn run(mut arguments: RenderArguments, given: &Given) -> Result<Ending, CliE
             *path = frames::fill_path(pattern, frame);
         }
         arguments.settings.set_seed(seed.wrapping_add(frame));
+        arguments.settings.show_at(arguments.fps.map(|rate| frames::time(frame, rate)));
         arguments.frame = Some(frame);
         arguments.say(&format!("frame {frame}"));
         if let Ending::Interrupted = go_on(&arguments, given, None)
@@ -268,6 +279,11 @@ impl Job<'_> {
         let mut command = command::of_this_process()?;
         if let Some(frame) = self.arguments.frame {
             command::remove_option(&mut command, "--frames");
+            if let Some(rate) = self.arguments.fps {
+                let time = frames::time(frame, rate).as_secs_f64().to_string();
+                command::remove_option(&mut command, "--fps");
+                command::set_option(&mut command, "render", "--at", &time);
+            }
             let seed = self.settings.seed.to_string();
             command::set_option(&mut command, "render", "--seed", &seed);
             for argument in &mut command.arguments {

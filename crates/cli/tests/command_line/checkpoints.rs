@@ -5,6 +5,8 @@ use raystream::film::Film;
 use raystream::film_file::FilmFile;
 use raystream::image::{LayeredImage, read_color, read_layers};
 use raystream::render::Checkpoint;
+use raystream_tests::gltf::Gltf;
+use serde_json::json;
 use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
@@ -175,6 +177,35 @@ fn frames_have_files_of_their_own() {
     ] {
         let scene = if arguments.starts_with("missing") { "" } else { scene };
         render(folder, &format!("{scene} {arguments}")).failed(&parts);
+    }
+}
+
+#[test]
+fn frames_show_an_animation() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let mut gltf = Gltf::triangle();
+    let node = gltf.node(json!({"mesh": 0}));
+    let times = gltf.floats(&[[0.0], [1.0]]);
+    let places = gltf.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
+    gltf.json["animations"] = json!([{
+        "samplers": [{"input": times, "output": places}],
+        "channels": [{"sampler": 0, "target": {"node": node, "path": "translation"}}]}]);
+    std::fs::write(folder.join("a.glb"), gltf.glb()).unwrap();
+    let small = "a.glb --size 16x12 --spp 2";
+    let files = "-o a.#.exr --checkpoint a.#.film -q";
+    render(folder, &format!("{small} --frames 1-2 --fps 4 {files}")).succeeded();
+    render(folder, &format!("{small} --at 0.25 --seed 1 -q -o b.exr")).succeeded();
+    assert!(layers(folder, "a.1.exr") == layers(folder, "b.exr"));
+    run(folder, "resume a.2.film --spp 3 -q -o c.exr").succeeded();
+    let kept = FilmFile::read_header(&folder.join("a.2.film")).unwrap().command.arguments;
+    assert!(kept.contains(&"--at=0.5".to_owned()), "{kept:?}");
+    for (arguments, part) in [
+        ("--fps 4 -o a.exr", "--frames"),
+        ("--frames 1-2 --fps 0 -o a.#.exr", "29.97"),
+        ("--frames 1-2 --fps 4 --at 1 -o a.#.exr", "--at"),
+    ] {
+        render(folder, &format!("{small} {arguments}")).says(&[part]);
     }
 }
 
