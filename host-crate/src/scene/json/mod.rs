@@ -24,7 +24,7 @@ use super::bounds;
 use super::description::{DARK, Scene};
 use super::error::SceneError;
 use super::gltf;
-use super::obj::{Obj, Placement};
+use super::obj::{Obj, Part, Placement};
 use super::options::LoadOptions;
 use super::picture::Pictures;
 use super::ply;
@@ -104,8 +104,8 @@ fn keeps_instances(
     options: LoadOptions,
 ) -> Result<bool, SceneError> {
     let repeated = |mesh: &LoadedObj<'_>| {
-        let faces: usize = mesh.obj.parts.iter().map(|part| part.faces).sum();
-        faces as u64 * mesh.rules.instances.as_ref().map_or(0, |list| list.len() as u64)
+        let triangles: usize = mesh.obj.parts.iter().map(Part::triangle_count).sum();
+        triangles as u64 * mesh.rules.instances.as_ref().map_or(0, |list| list.len() as u64)
     };
     let total = meshes.iter().map(repeated).sum();
     let keeps = options.instancing.keeps(total);

@@ -156,7 +156,7 @@ impl<'a> Parts<'a> {
             return Err(self.too_far());
         }
         let instances = self.rules.instances.as_deref().unwrap_or_default();
-        if !keeps_instances || !is_worth_keeping(part.faces, instances.len()) {
+        if !keeps_instances || !is_worth_keeping(part.triangle_count(), instances.len()) {
             for placement in &placements {
                 let mut mesh = part.mesh(material, placement, map);
                 self.cleaner.clean(&mut mesh);

@@ -149,6 +149,9 @@ mod tests {
         let mesh = obj.parts[0].mesh(MaterialId(0), &AT_ORIGIN, None);
         let fans = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 1, 2], [0, 1, 2], [0, 2, 3]];
         assert_eq!(mesh.triangles, fans);
+        assert_eq!(obj.parts[0].triangle_count(), fans.len());
+        let alone = parse(&format!("{SQUARE}f 1 2 3\nf 1 3 4\n"));
+        assert_eq!(alone.parts[0].triangle_count(), 2);
     }
 
     #[test]

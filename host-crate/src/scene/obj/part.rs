@@ -32,6 +32,15 @@ pub(in crate::scene) struct Part {
 }
 
 impl Part {
+    /// How many triangles its faces are cut into, at most: some may have no area.
+    pub(in crate::scene) fn triangle_count(&self) -> usize {
+        let tobj::Mesh { indices, face_arities, .. } = &self.mesh;
+        if face_arities.is_empty() {
+            return indices.len() / 3;
+        }
+        face_arities.iter().map(|&arity| arity.saturating_sub(2) as usize).sum()
+    }
+
     /// Its positions as the file has them.
     pub(in crate::scene) fn positions(&self) -> impl ExactSizeIterator<Item = DVec3> + Clone {
         self.mesh.positions.chunks_exact(3).map(DVec3::from_slice)
