@@ -36,7 +36,7 @@ pub fn measure<E: Executor>(
     let mut renderer = Renderer::new(executor, scene, &Settings { sampling, ..*settings })?;
     let mut render =
         |time: Duration| run(&mut renderer, Budget::time(time), &|| false, &mut |_| ());
-    let warm_up = render(WARM_UP)?;
+    render(WARM_UP)?;
     let outcome = render(time)?;
     let film = renderer.film()?;
     let [first, second] = film
@@ -56,7 +56,7 @@ pub fn measure<E: Executor>(
         )));
     }
     let paths = outcome.paths as f64;
-    let rays = (outcome.rays - warm_up.rays) as f64;
+    let rays = outcome.rays as f64;
     let seconds = outcome.elapsed.as_secs_f64();
     Ok(PathSpeed {
         mpaths_per_second: paths / seconds / 1e6,

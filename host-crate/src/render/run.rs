@@ -39,7 +39,8 @@ pub struct Progress {
     pub paths_before: u64,
     /// Paths that the budget's samples make, if it has any.
     pub total_paths: Option<u64>,
-    /// Rays traced, estimated from a count of at most about a second ago; 0 before the first.
+    /// Rays traced in this run, estimated from a count of at most about a second ago; 0 before the
+    /// first.
     pub rays: u64,
     /// Since the first sample.
     pub elapsed: Duration,
@@ -55,7 +56,7 @@ pub struct Progress {
 pub struct Outcome {
     /// Paths traced in this run.
     pub paths: u64,
-    /// Rays traced, those of earlier runs with this renderer included.
+    /// Rays traced in this run.
     pub rays: u64,
     /// From the first sample to the last.
     pub elapsed: Duration,
@@ -159,6 +160,7 @@ pub fn run_watched<E: Executor>(
     budget: Budget,
     watch: &mut dyn Watch<E>,
 ) -> Result<Outcome, RenderError> {
+    let rays_before = if renderer.paths() > 0 { renderer.rays()? } else { 0 };
     let mut clock = Clock::start(renderer, budget);
     let stop = loop {
         let paths = renderer.paths() - clock.paths_before;
@@ -178,7 +180,11 @@ pub fn run_watched<E: Executor>(
         if renderer.paths() > 0 && watch.is_interrupted() {
             break Stop::Interrupted;
         }
-        let left = left.min(affordable(budget.time, paths, clock.start.elapsed()));
+        let mut left = left.min(affordable(budget.time, paths, clock.start.elapsed()));
+        if budget.time.is_some() && paths == 0 && renderer.paths() > 0 {
+            // A render that goes on does not know yet how fast it is, and its rounds are long.
+            left = left.min(u64::from(renderer.pixels()));
+        }
         let mut round = renderer.next_round(left)?;
         let stop = clock.trace(&mut round, paths > 0, watch)?;
         clock.timings += round.timings();
@@ -191,7 +197,7 @@ pub fn run_watched<E: Executor>(
     Ok(Outcome {
         elapsed: clock.start.elapsed(),
         paths: renderer.paths() - clock.paths_before,
-        rays: renderer.rays()?,
+        rays: renderer.rays()? - rays_before,
         noise: renderer.noise()?,
         timings: clock.timings,
         stop,
