@@ -113,7 +113,7 @@ fn run(arguments: Arguments, given: &Given) -> Result<Ending, CliError> {
     interrupt::catch()?;
     match arguments.command {
         Command::Render(arguments) => render::run(arguments, given),
-        Command::Resume(arguments) => resume::run(&arguments),
+        Command::Resume(arguments) => resume::run(&arguments, parse_render),
         Command::Picture(arguments) => picture::run(&arguments, given),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments, given),
@@ -122,6 +122,17 @@ fn run(arguments: Arguments, given: &Given) -> Result<Ending, CliError> {
         Command::Devices(arguments) => devices::run(&arguments),
         Command::Scenes => scenes::run(),
         Command::Bench(command) => bench::run(&command, given),
+    }
+}
+
+/// Reads the words of a command that renders, without the program's name.
+fn parse_render(words: &[String]) -> Result<(render::RenderArguments, Given), String> {
+    let words = std::iter::once("raystream").chain(words.iter().map(String::as_str));
+    let matches = Arguments::command().try_get_matches_from(words);
+    let matches = matches.map_err(|error| error.to_string())?;
+    match Arguments::from_arg_matches(&matches).map_err(|error| error.to_string())?.command {
+        Command::Render(arguments) => Ok((arguments, Given::of(&matches))),
+        _ => Err("it renders nothing".to_owned()),
     }
 }
 

@@ -5,10 +5,9 @@ use super::command;
 use super::effects::Given;
 use super::ending::{CliError, Ending};
 use super::options::parse_seconds;
-use super::render::{self, Resumed};
+use super::render::{self, RenderArguments, Resumed};
 use super::sampling::parse_noise;
-use super::{Arguments, Command};
-use clap::{Args, CommandFactory, FromArgMatches};
+use clap::Args;
 use raystream::film_file::{self, FilmFile};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -49,26 +48,20 @@ pub struct ResumeArguments {
 /// The subcommand that began the render.
 const RENDER: &str = "render";
 
+/// Reads the words of a command that renders.
+pub type Parse = fn(&[String]) -> Result<(RenderArguments, Given), String>;
+
 /// Goes on with a render.
-pub fn run(arguments: &ResumeArguments) -> Result<Ending, CliError> {
+pub fn run(arguments: &ResumeArguments, parse: Parse) -> Result<Ending, CliError> {
     let film = FilmFile::read(&arguments.film)?;
     let path = absolute(&arguments.film)?;
     let outputs = arguments.output.iter().map(|output| absolute(output));
     let outputs = outputs.collect::<Result<Vec<_>, _>>()?;
     let command = arguments.command(&film);
     enter(&command.folder, &path)?;
-    let unreadable = |what: String| {
+    let (mut render, given) = parse(&command.arguments).map_err(|what| {
         format!("{}: its command line is not this version's: {what}", path.display())
-    };
-    let words = std::iter::once("raystream").chain(command.arguments.iter().map(String::as_str));
-    let parse = || {
-        let matches = Arguments::command().try_get_matches_from(words)?;
-        Ok::<_, clap::Error>((Arguments::from_arg_matches(&matches)?, Given::of(&matches)))
-    };
-    let (parsed, given) = parse().map_err(|error| unreadable(error.to_string()))?;
-    let Command::Render(mut render) = parsed.command else {
-        return Err(unreadable("it renders nothing".to_owned()).into());
-    };
+    })?;
     let CheckpointArguments { checkpoint, checkpoint_every, .. } = &mut render.checkpoints;
     *checkpoint = Some(path);
     *checkpoint_every = arguments.checkpoint_every.unwrap_or(*checkpoint_every);
