@@ -5,7 +5,7 @@
 //! and no order to vary. The same contributions give the same film, bit for bit, on any processor
 //! that adds like IEEE 754.
 
-use super::stream::{FIRST, RunWindow, Runs, SECOND, is_second};
+use super::stream::{FIRST, RunWindow, Runs, counted_of, is_second};
 use super::{Contribution, FilmPixel, PIXEL_WORDS, sum};
 use crate::glam::{UVec4, Vec3};
 use crate::memory::access::{Scatter, at};
@@ -160,13 +160,7 @@ impl Sums {
             words: first_low.w,
             zero: second_low.w,
             half,
-            count: if half == FIRST {
-                first.w
-            } else if half == SECOND {
-                second.w
-            } else {
-                first.w + second.w
-            },
+            count: counted_of(half, first.w, second.w),
         }
     }
 

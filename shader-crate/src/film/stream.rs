@@ -31,12 +31,17 @@ pub const BY_TURNS: u32 = 2;
 
 /// Samples that a pixel has of those that `half` counts.
 pub fn counted(half: u32, pixel: &FilmPixel) -> u32 {
+    counted_of(half, pixel.first_samples, pixel.second_samples)
+}
+
+/// The same of a pixel that has so many samples of the first and of the second half.
+pub fn counted_of(half: u32, first: u32, second: u32) -> u32 {
     if half == FIRST {
-        pixel.first_samples
+        first
     } else if half == SECOND {
-        pixel.second_samples
+        second
     } else {
-        pixel.samples()
+        first + second
     }
 }
 
