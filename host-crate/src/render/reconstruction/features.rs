@@ -73,7 +73,7 @@ impl<B> ByFeatures<B> {
         let pixels = (size.width * size.height) as usize;
         let picture = || Array::zeroed(executor, "filtered pictures to be mixed", pixels);
         Ok(Self {
-            halves: FilteredHalves::new(executor, size)?,
+            halves: FilteredHalves::new(executor, size, 1)?,
             features: FeatureRows::new(executor, size)?,
             pictures: [picture()?, picture()?, picture()?],
         })
@@ -99,13 +99,13 @@ impl<B> ByFeatures<B> {
             )
         };
         let features = self.features.array();
-        self.halves.filter(inputs, filtered, |weighers, values, to| {
+        self.halves.filter(inputs, &[filtered], |weighers, values, to| {
             [kernels::filter_half_by_features(
                 &parameters,
                 features.view(),
                 weighers.view(),
                 values.view(),
-                to.view(),
+                to[0].view(),
             )]
         })
     }

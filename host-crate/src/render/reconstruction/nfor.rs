@@ -34,7 +34,7 @@ impl<B> Nfor<B> {
         let picture = || Array::zeroed(executor, "filtered pictures to be mixed", pixels);
         let (words, terms) = (WORDS as usize * pixels, TERMS as usize * pixels);
         Ok(Self {
-            halves: FilteredHalves::new(executor, size)?,
+            halves: FilteredHalves::new(executor, size, STRENGTHS.len())?,
             features: FeatureRows::new(executor, size)?,
             map: Array::zeroed(executor, "distances of patches for the filter nfor", words)?,
             planes: Array::zeroed(executor, "planes for the filter nfor", terms)?,
@@ -42,36 +42,31 @@ impl<B> Nfor<B> {
         })
     }
 
+    /// The launches after which `to` is a half in rows, filtered with the planes of a candidate.
     fn candidate<'a>(
         &'a self,
-        inputs: &'a FilterInputs<B>,
         parameters: &PlaneParams,
-        filtered: &'a Array<B, FilteredPixel>,
-    ) -> Vec<Launch<'a, B>> {
-        let FilmSize { width, height } = inputs.size;
-        let strength = VARIANCES * STRENGTHS[0] * STRENGTHS[0];
-        let patches = PatchParams::new((width, height), strength, VARIANCES, LARGEST_PATCH, WINDOW);
+        values: &'a Array<B, Vec4>,
+        to: &'a Array<B, Vec4>,
+    ) -> [Launch<'a, B>; 2] {
         let features = self.features.array();
-        self.halves.filter(inputs, filtered, |weighers, values, to| {
-            [
-                kernels::measure_patches(&patches, weighers.view(), self.map.view()),
-                kernels::fit_planes(
-                    parameters,
-                    features.view(),
-                    self.map.view(),
-                    values.view(),
-                    self.planes.view(),
-                ),
-                kernels::collect_planes(
-                    parameters,
-                    features.view(),
-                    self.map.view(),
-                    values.view(),
-                    self.planes.view(),
-                    to.view(),
-                ),
-            ]
-        })
+        [
+            kernels::fit_planes(
+                parameters,
+                features.view(),
+                self.map.view(),
+                values.view(),
+                self.planes.view(),
+            ),
+            kernels::collect_planes(
+                parameters,
+                features.view(),
+                self.map.view(),
+                values.view(),
+                self.planes.view(),
+                to.view(),
+            ),
+        ]
     }
 }
 
@@ -83,20 +78,26 @@ impl<B: Send + Sync + 'static> Filter<B> for Nfor<B> {
         filtered: &'a Array<B, FilteredPixel>,
     ) -> Vec<Launch<'a, B>> {
         let FilmSize { width, height } = inputs.size;
+        let strength = VARIANCES * STRENGTHS[0] * STRENGTHS[0];
+        let patches = PatchParams::new((width, height), strength, VARIANCES, LARGEST_PATCH, WINDOW);
+        let candidates = STRENGTHS.map(|strength| PlaneParams {
+            threads: width * height,
+            width,
+            height,
+            sharpness: (STRENGTHS[0] / strength).powi(2),
+            pixel_pitch: pinhole(&view.camera).1,
+            ..PlaneParams::zeroed()
+        });
+        let [wide, narrow] = &self.pictures;
         let mut launches = vec![self.features.launch(inputs, view)];
         launches.extend(self.halves.rows(inputs));
-        for (strength, picture) in STRENGTHS.into_iter().zip(&self.pictures) {
-            let parameters = PlaneParams {
-                threads: width * height,
-                width,
-                height,
-                sharpness: (STRENGTHS[0] / strength).powi(2),
-                pixel_pitch: pinhole(&view.camera).1,
-                ..PlaneParams::zeroed()
-            };
-            launches.extend(self.candidate(inputs, &parameters, picture));
-        }
-        let [wide, narrow] = &self.pictures;
+        launches.extend(self.halves.filter(inputs, &[wide, narrow], |weighers, values, to| {
+            // Both candidates go by one map.
+            let map = kernels::measure_patches(&patches, weighers.view(), self.map.view());
+            let filtered = candidates.iter().zip(to);
+            let filtered = filtered.flat_map(|(of, to)| self.candidate(of, values, to));
+            std::iter::once(map).chain(filtered).collect::<Vec<_>>()
+        }));
         launches.extend(mix(inputs, wide, narrow, filtered));
         launches
     }

@@ -21,7 +21,7 @@ pub struct Nlm<B> {
 impl<B> Nlm<B> {
     /// For a picture of `size`.
     pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
-        Ok(Self { halves: FilteredHalves::new(executor, size)? })
+        Ok(Self { halves: FilteredHalves::new(executor, size, 1)? })
     }
 }
 
@@ -41,8 +41,8 @@ impl<B: Send + Sync + 'static> Filter<B> for Nlm<B> {
             LARGEST_WINDOW,
         );
         let mut launches = Vec::from(self.halves.rows(inputs));
-        launches.extend(self.halves.filter(inputs, filtered, |weighers, values, to| {
-            [kernels::filter_half(&parameters, weighers.view(), values.view(), to.view())]
+        launches.extend(self.halves.filter(inputs, &[filtered], |weighers, values, to| {
+            [kernels::filter_half(&parameters, weighers.view(), values.view(), to[0].view())]
         }));
         launches
     }
