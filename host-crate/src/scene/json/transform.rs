@@ -45,7 +45,7 @@ impl TryFrom<Vec<Numbers>> for Matrix {
     type Error = String;
 
     fn try_from(rows: Vec<Numbers>) -> Result<Self, String> {
-        let rows: Vec<Vec<f64>> = rows.iter().map(Numbers::plain).collect();
+        let rows: Vec<&[f64]> = rows.iter().map(Numbers::plain).collect();
         let is_matrix = rows.len() == 3 && rows.iter().all(|row| row.len() == 4);
         if !is_matrix {
             return Err("must be three rows of four numbers each".to_owned());
@@ -62,7 +62,7 @@ impl TryFrom<Numbers> for Angles {
     type Error = String;
 
     fn try_from(degrees: Numbers) -> Result<Self, String> {
-        let radians = bounds::coordinates(&degrees.plain())?.map(f64::to_radians);
+        let radians = bounds::coordinates(degrees.plain())?.map(f64::to_radians);
         Ok(Self(DMat3::from_euler(EulerRot::ZYX, radians.z, radians.y, radians.x)))
     }
 }

@@ -96,56 +96,46 @@ impl<'de> Deserialize<'de> for Number {
     }
 }
 
-/// Numbers of any kind.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(transparent)]
-pub(super) struct Numbers(Vec<Number>);
-
-impl Numbers {
-    /// As a list.
-    pub(super) fn plain(&self) -> Vec<f64> {
-        self.0.iter().map(|&Number(value)| value).collect()
+impl Number {
+    /// As a function wants it that checks it.
+    fn plain(&self) -> f64 {
+        self.0
     }
 }
 
-/// Types of values that are read as numbers and kept as what a function makes of them that checks
-/// them.
-macro_rules! checked {
-    ($(
-        $(#[$doc:meta])*
-        $name:ident($kept:ty) = $check:expr;
-    )*) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, Deserialize)]
-        #[serde(try_from = "Number")]
-        pub(super) struct $name(pub $kept);
+/// Numbers of any kind.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(from = "Vec<Number>")]
+pub(super) struct Numbers(Vec<f64>);
 
-        impl TryFrom<Number> for $name {
-            type Error = String;
-
-            fn try_from(Number(value): Number) -> Result<Self, String> {
-                $check(value).map(Self)
-            }
-        }
-    )*};
+impl From<Vec<Number>> for Numbers {
+    fn from(numbers: Vec<Number>) -> Self {
+        Self(numbers.into_iter().map(|Number(value)| value).collect())
+    }
 }
 
-/// The same of lists of numbers.
-macro_rules! checked_lists {
-    ($(
+impl Numbers {
+    /// Likewise.
+    pub(super) fn plain(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+/// Types of values that are read as a number or as several and kept as what a function makes of
+/// them that checks them.
+macro_rules! checked {
+    ($source:ident: $(
         $(#[$doc:meta])*
         $name:ident($kept:ty) = $check:expr;
     )*) => {$(
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, Deserialize)]
-        #[serde(try_from = "Numbers")]
+        #[derive(Clone, Copy, Debug)]
         pub(super) struct $name(pub $kept);
 
-        impl TryFrom<Numbers> for $name {
-            type Error = String;
-
-            fn try_from(values: Numbers) -> Result<Self, String> {
-                $check(&values.plain()).map(Self)
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let read = $source::deserialize(deserializer)?;
+                $check(read.plain()).map(Self).map_err(D::Error::custom)
             }
         }
     )*};
@@ -183,7 +173,7 @@ checked_integers! {
     Depth(u32) = bounds::depth, "an integer from 1 to {}" % u32::MAX;
 }
 
-checked_lists! {
+checked! { Numbers:
     /// A direction in world units.
     Coordinates(DVec3) = bounds::coordinates;
     /// A position in world units, which may be far from the origin.
@@ -200,7 +190,7 @@ checked_lists! {
     Factor(Vec3) = bounds::factor;
 }
 
-checked! {
+checked! { Number:
     /// A share of something, in [0, 1].
     Share(f32) = bounds::share;
     /// An index of refraction.
