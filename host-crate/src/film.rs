@@ -79,7 +79,6 @@ impl Film {
                 if p.samples() < 2 {
                     return Vec3::INFINITY;
                 }
-                let exact = |high: Vec3, low: Vec3| high.as_dvec3() + low.as_dvec3();
                 let n = f64::from(p.samples());
                 let sum = exact(p.first_sum, p.first_low) + exact(p.second_sum, p.second_low);
                 let m = sum / n;
@@ -176,6 +175,11 @@ impl Film {
     fn of_features(&self, value: impl Fn(&FeaturePixel) -> Vec3) -> Vec<Vec3> {
         self.features.iter().map(value).collect()
     }
+}
+
+/// A sum in two words, see [`raystream_shaders::film::sum`].
+pub(crate) fn exact(high: Vec3, low: Vec3) -> DVec3 {
+    high.as_dvec3() + low.as_dvec3()
 }
 
 fn mean(sum: Vec3, count: u32) -> Vec3 {

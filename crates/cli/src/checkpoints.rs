@@ -7,10 +7,9 @@ use super::output::say;
 use super::progress::ProgressDisplay;
 use clap::Args;
 use raystream::exec::Executor;
-use raystream::film_file::{Command, FilmFile, Header, Part, kernels_digest, scene_digest};
+use raystream::film_file::{Difference, FilmFile, Header, Part};
 use raystream::render::{
-    AllocatorKind, IntegratorKind, PreparedScene, Progress, RenderError, Renderer, Settings, Split,
-    Watch,
+    AllocatorKind, IntegratorKind, Progress, RenderError, Renderer, Settings, Watch,
 };
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -38,53 +37,10 @@ pub struct CheckpointArguments {
     pub part: Option<Part>,
 }
 
-/// What is to be kept with a film.
-pub struct Kept<'a> {
-    /// How the render was called.
-    pub command: Command,
-    /// The name of the scene.
-    pub scene: String,
-    pub prepared: &'a PreparedScene,
-    pub settings: &'a Settings,
-    pub device: String,
-    pub part: Option<Part>,
-    /// Shares of which the film that it goes on from was merged.
-    pub merged: Vec<Part>,
-    /// Seconds that it took before.
-    pub seconds: f64,
-}
-
-impl Kept<'_> {
-    /// The header of the film file.
-    pub fn header(self) -> Header {
-        let Self { settings, prepared, .. } = self;
-        Header {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            kernels: kernels_digest(),
-            scene: self.scene,
-            scene_digest: scene_digest(prepared),
-            settings: in_words(settings),
-            device: self.device,
-            part: self.part,
-            merged: self.merged,
-            command: self.command,
-            seconds: self.seconds,
-            camera: prepared.parameters(settings).camera,
-            has_control: split(settings) == Split::Control,
-        }
-    }
-}
-
-/// How samples are split into halves.
-fn split(settings: &Settings) -> Split {
-    let halves = settings.sampling.halves || settings.denoise.is_some();
-    raystream::render::Sampling { halves, ..settings.sampling }.split()
-}
-
 /// All settings but those that say when a render ends.
-fn in_words(settings: &Settings) -> String {
+pub fn in_words(settings: &Settings) -> String {
     let mut settings = *settings;
-    let split = split(&settings);
+    let split = settings.whole_sampling().split();
     settings.sampling.noise = None;
     settings.sampling.halves = false;
     format!("{settings:?}, {split:?}")
@@ -188,15 +144,19 @@ pub fn check_film(path: &Path, film: &Header, own: &Header) -> Result<(), CliErr
         )
         .into());
     }
-    let what = if film.kernels != own.kernels {
-        "was rendered by another version's kernels: go on with the version that began it"
-    } else if film.scene_digest != own.scene_digest {
-        "is of another scene: its files have changed since; restore them, or render anew"
-    } else if film.settings != own.settings {
-        "was rendered with other settings: --noise asks for samples in halves, which it may lack; \
-         render anew with --halves or --noise"
-    } else {
-        return Ok(());
+    let Some(difference) = film.difference(own) else { return Ok(()) };
+    let what = match difference {
+        Difference::Kernels => {
+            "was rendered by another version's kernels: go on with the version that began it"
+        }
+        Difference::Scene => {
+            "is of another scene: its files have changed since; restore them, or render anew"
+        }
+        Difference::Settings => {
+            "was rendered with other settings: --noise asks for samples in halves, which it may \
+             lack; render anew with --halves or --noise"
+        }
+        Difference::Parts => "is of another part: go on with each part by itself",
     };
     Err(format!("{}: {what}", path.display()).into())
 }

@@ -33,12 +33,12 @@ pub fn run(arguments: &MergeArguments) -> Result<Ending, CliError> {
     // The sum of all parts is none.
     command::remove_option(&mut film.header.command, "--part");
     film.write(output)?;
-    if let Some((parts, count)) = film.header.parts()
-        && parts < count as usize
-    {
+    // All parts are of as many.
+    let count = film.header.own_parts().next().map_or(0, |part| part.count as usize);
+    let missing = count - film.header.own_parts().count();
+    if missing > 0 {
         output::say(&format!(
-            "warning: {} of {count} parts are missing: the picture is as good as its samples",
-            count as usize - parts
+            "warning: {missing} of {count} parts are missing: the picture is as good as its samples"
         ));
     }
     if !arguments.quiet {

@@ -83,8 +83,9 @@ fn header(file: &FilmFile, film: &Film, denoise: Option<FilterKind>) -> Vec<(Str
         ("version".to_owned(), file.header.version.clone()),
         ("command".to_owned(), file.header.command.arguments.join(" ")),
     ];
-    if let Some((parts, count)) = file.header.parts() {
-        header.push(("parts".to_owned(), format!("{parts} of {count}")));
+    if let Some(part) = file.header.own_parts().next() {
+        let parts = file.header.own_parts().count();
+        header.push(("parts".to_owned(), format!("{parts} of {}", part.count)));
     }
     header.extend(denoise.map(|filter| ("denoise".to_owned(), filter.to_string())));
     header

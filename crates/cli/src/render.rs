@@ -1,7 +1,7 @@
 //! `raystream render`
 
 use super::checkpoints::{
-    CheckpointArguments, Keeper, Kept, RenderWatch, check_film, is_of_one_sequence,
+    CheckpointArguments, Keeper, RenderWatch, check_film, in_words, is_of_one_sequence,
     settings_of_part,
 };
 use super::choices::choice;
@@ -19,11 +19,11 @@ use clap::Args;
 use glam::Vec3;
 use raystream::exec::device::Device;
 use raystream::film::Film;
-use raystream::film_file::{Command, FilmFile};
+use raystream::film_file::{Command, FilmFile, Header, kernels_digest, scene_digest};
 use raystream::image;
 use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
-    Budget, FilterKind, Outcome, PreparedScene, Renderer, Settings, Stop, run_watched,
+    Budget, FilterKind, Outcome, PreparedScene, Renderer, Settings, Split, Stop, run_watched,
 };
 use raystream::scene::{DEFAULT_SCENE, FilmSize};
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
@@ -247,17 +247,21 @@ impl Job<'_> {
             &self.arguments.checkpoints;
         let Some(path) = checkpoint else { return Ok(None) };
         let film = self.from.map(|from| &from.film.header);
-        let header = Kept {
-            command: self.command()?,
+        let settings = &self.settings;
+        let header = Header {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            kernels: kernels_digest(),
             scene: self.name.clone(),
-            prepared: self.prepared,
-            settings: &self.settings,
+            scene_digest: scene_digest(self.prepared),
+            settings: in_words(settings),
             device: self.device.description(),
             part: *part,
             merged: film.map(|film| film.merged.clone()).unwrap_or_default(),
+            command: self.command()?,
             seconds: self.seconds_before(),
-        }
-        .header();
+            camera: self.prepared.parameters(settings).camera,
+            has_control: settings.whole_sampling().split() == Split::Control,
+        };
         if let Some(film) = film {
             check_film(path, film, &header)?;
             if film.device != header.device {

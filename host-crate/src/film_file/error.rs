@@ -1,5 +1,6 @@
 //! What can go wrong with a film file.
 
+use super::header::Difference;
 use crate::image::ImageError;
 use std::path::PathBuf;
 
@@ -33,16 +34,24 @@ pub enum FilmFileError {
         reads: u32,
     },
     /// The film is of another render.
-    #[error("{}: {what} not those of {other}; {advice}", path.display())]
+    #[error(
+        "{}: its {} are not those of {}; merge films of one render only",
+        path.display(),
+        match difference {
+            Difference::Kernels => "kernels",
+            Difference::Scene => "scene's triangles, materials, lights and camera",
+            Difference::Settings => "settings",
+            Difference::Parts => "parts",
+        },
+        other.display()
+    )]
     Differs {
         /// The file.
         path: PathBuf,
-        /// What differs, with its verb.
-        what: &'static str,
-        /// From what it differs.
-        other: String,
-        /// What to do.
-        advice: &'static str,
+        /// What differs.
+        difference: Difference,
+        /// The file that it differs from.
+        other: PathBuf,
     },
     /// A film to be merged is of a whole render.
     #[error(

@@ -1,6 +1,5 @@
 //! What a film file says of itself.
 
-use super::error::FilmFileError;
 use crate::render::{Checkpoint, RenderProgress};
 use crate::scene::FilmSize;
 use raystream_shaders::film::splats::{HEADER_WORDS, PIXEL_WORDS};
@@ -8,7 +7,7 @@ use raystream_shaders::scene::camera::Camera;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// What a film is of.
@@ -43,39 +42,36 @@ pub struct Header {
     pub has_control: bool,
 }
 
+/// In what two films are not of one render.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Difference {
+    /// Their kernels.
+    Kernels,
+    /// Their scenes.
+    Scene,
+    /// Their settings.
+    Settings,
+    /// The number of parts that they are parts of.
+    Parts,
+}
+
 impl Header {
-    /// Fails unless both films are of one render, and so of parts of one number.
-    ///
-    /// # Errors
-    /// [`FilmFileError::Differs`], about the file `path` of this header.
-    pub fn check_same_render(
-        &self,
-        path: &Path,
-        other: &Self,
-        other_path: &Path,
-    ) -> Result<(), FilmFileError> {
-        let count = |header: &Self| header.part.iter().chain(&header.merged).map(|s| s.count).max();
-        let advice = "merge films of one render only";
-        let what = if self.kernels != other.kernels {
-            "its kernels are"
-        } else if self.scene_digest != other.scene_digest {
-            "its scene's triangles, materials, lights and camera are"
-        } else if self.settings != other.settings {
-            "its settings are"
-        } else if count(self) != count(other) {
-            "its parts are"
-        } else {
-            return Ok(());
-        };
-        let (path, other) = (path.to_owned(), other_path.display().to_string());
-        Err(FilmFileError::Differs { path, what, other, advice })
+    /// In what two films are not of one render, if they are not; the first that is found.
+    pub fn difference(&self, other: &Self) -> Option<Difference> {
+        let count = |header: &Self| header.own_parts().map(|part| part.count).max();
+        [
+            (self.kernels != other.kernels, Difference::Kernels),
+            (self.scene_digest != other.scene_digest, Difference::Scene),
+            (self.settings != other.settings, Difference::Settings),
+            (count(self) != count(other), Difference::Parts),
+        ]
+        .into_iter()
+        .find_map(|(differs, difference)| differs.then_some(difference))
     }
 
-    /// The parts that it has of as many; none where it is of a whole render.
-    pub fn parts(&self) -> Option<(usize, u32)> {
-        let mut parts = self.part.iter().chain(&self.merged);
-        let first = parts.next()?;
-        Some((1 + parts.count(), first.count))
+    /// The parts that it has; none where it is of a whole render.
+    pub fn own_parts(&self) -> impl Iterator<Item = Part> {
+        self.part.iter().chain(&self.merged).copied()
     }
 }
 

@@ -3,6 +3,7 @@
 use super::FilmFile;
 use super::error::FilmFileError;
 use super::header::{Header, Part};
+use crate::film::exact;
 use crate::render::RenderProgress;
 use glam::{DVec3, Vec3};
 use raystream_shaders::film::FilmPixel;
@@ -25,7 +26,10 @@ pub fn merge(paths: &[PathBuf]) -> Result<FilmFile, FilmFileError> {
         let header = FilmFile::read_header(path)?;
         let parts = parts(path, &header)?;
         let (first_path, first_header) = first.get_or_insert_with(|| (path, header.clone()));
-        header.check_same_render(path, first_header, first_path)?;
+        if let Some(difference) = header.difference(first_header) {
+            let (path, other) = (path.to_owned(), first_path.to_path_buf());
+            return Err(FilmFileError::Differs { path, difference, other });
+        }
         let has_one = |of: &[Part]| of.iter().any(|part| parts.contains(part));
         if let Some((_, other)) = films.iter().find(|(of, _)| has_one(of)) {
             let (path, other) = (path.to_owned(), other.to_path_buf());
@@ -52,7 +56,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<FilmFile, FilmFileError> {
 
 /// The parts that a film has.
 fn parts(path: &Path, header: &Header) -> Result<Vec<Part>, FilmFileError> {
-    let mut parts: Vec<Part> = header.part.iter().chain(&header.merged).copied().collect();
+    let mut parts: Vec<Part> = header.own_parts().collect();
     parts.sort_unstable();
     if parts.is_empty() {
         return Err(FilmFileError::NoPart { path: path.to_owned() });
@@ -98,7 +102,6 @@ struct Sums {
 
 impl Sums {
     fn of(pixel: &FilmPixel) -> Self {
-        let exact = |high: Vec3, low: Vec3| high.as_dvec3() + low.as_dvec3();
         Self {
             counts: *pixel,
             first: exact(pixel.first_sum, pixel.first_low),

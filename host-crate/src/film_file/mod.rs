@@ -21,7 +21,7 @@ mod planes;
 
 pub use digest::{kernels_digest, scene_digest};
 pub use error::FilmFileError;
-pub use header::{Command, Header, Part};
+pub use header::{Command, Difference, Header, Part};
 pub use merge::merge;
 
 use crate::image::{ImageError, check_replaceable, open_file, read_file, replace_file_with};

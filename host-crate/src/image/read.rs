@@ -2,6 +2,7 @@
 
 use super::ImageError;
 use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 /// An ordinary file.
@@ -18,6 +19,7 @@ pub(crate) fn open_file(path: &Path) -> Result<File, ImageError> {
 
 /// The bytes of an ordinary file.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, ImageError> {
-    open_file(path)?;
-    std::fs::read(path).map_err(|e| ImageError::from_read(path, e))
+    let (mut file, mut bytes) = (open_file(path)?, Vec::new());
+    file.read_to_end(&mut bytes).map_err(|e| ImageError::from_read(path, e))?;
+    Ok(bytes)
 }

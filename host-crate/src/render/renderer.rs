@@ -80,8 +80,7 @@ impl<E: Executor> Renderer<E> {
             settings,
         };
         let integrator = create(&context, slots.len() as u32)?;
-        let halves = settings.sampling.halves || settings.denoise.is_some();
-        let sampling = Sampling { halves, ..settings.sampling };
+        let sampling = settings.whole_sampling();
         let has_control = sampling.split() == Split::Control;
         let control = has_control.then(|| ControlFilm::new(&executor, settings.size));
         Ok(Self {

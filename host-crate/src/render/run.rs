@@ -163,9 +163,11 @@ pub fn run_watched<E: Executor>(
     let rays_before = if renderer.paths() > 0 { renderer.rays()? } else { 0 };
     let mut clock = Clock::start(renderer, budget);
     let stop = loop {
-        let paths = renderer.paths() - clock.paths_before;
-        let left =
-            clock.total_paths.map_or(u64::MAX, |total| total.saturating_sub(renderer.paths()));
+        let paths = renderer.paths() - clock.progress.paths_before;
+        let left = clock
+            .progress
+            .total_paths
+            .map_or(u64::MAX, |total| total.saturating_sub(renderer.paths()));
         if left == 0 {
             break Stop::Samples;
         }
@@ -196,7 +198,7 @@ pub fn run_watched<E: Executor>(
     };
     Ok(Outcome {
         elapsed: clock.start.elapsed(),
-        paths: renderer.paths() - clock.paths_before,
+        paths: renderer.paths() - clock.progress.paths_before,
         rays: renderer.rays()? - rays_before,
         noise: renderer.noise()?,
         timings: clock.timings,
@@ -207,9 +209,6 @@ pub fn run_watched<E: Executor>(
 /// When a run began, and how far it is.
 struct Clock {
     start: Instant,
-    time: Option<Duration>,
-    paths_before: u64,
-    total_paths: Option<u64>,
     progress: Progress,
     timings: Timings,
     last_count: Instant,
@@ -230,20 +229,11 @@ impl Clock {
             time: budget.time,
             convergence: 0.0,
         };
-        Self {
-            start,
-            time: budget.time,
-            paths_before,
-            total_paths,
-            progress,
-            timings: Timings::default(),
-            last_count: start,
-            rays_per_path: 0.0,
-        }
+        Self { start, progress, timings: Timings::default(), last_count: start, rays_per_path: 0.0 }
     }
 
     fn is_late(&self) -> bool {
-        self.time.is_some_and(|time| self.start.elapsed() >= time)
+        self.progress.time.is_some_and(|time| self.start.elapsed() >= time)
     }
 
     /// Traces a round to its end, or until it is late and there are samples, or `watch` has it end
@@ -257,7 +247,7 @@ impl Clock {
         while let Some(batch) = round.next_batch()? {
             self.progress.paths += u64::from(batch.paths);
             self.progress.elapsed = self.start.elapsed();
-            let traced = self.progress.paths - self.paths_before;
+            let traced = self.progress.paths - self.progress.paths_before;
             self.progress.rays = (traced as f64 * self.rays_per_path) as u64;
             watch.batch_ended(&self.progress);
             let keeps = watch.keeps_checkpoints();

@@ -123,6 +123,11 @@ impl Settings {
 }
 
 impl Settings {
+    /// How samples are spent: in halves where a filter needs them, too.
+    pub fn whole_sampling(&self) -> Sampling {
+        Sampling { halves: self.sampling.halves || self.denoise.is_some(), ..self.sampling }
+    }
+
     /// The abilities that kernels need for them, beside those that a scene asks for.
     pub fn abilities(&self) -> u32 {
         if self.pixel_filter.is_pixel() { 0 } else { PIXEL_FILTERS }
