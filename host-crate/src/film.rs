@@ -80,9 +80,8 @@ impl Film {
                     return Vec3::INFINITY;
                 }
                 let n = f64::from(p.samples());
-                let sum = exact(p.first_sum, p.first_low) + exact(p.second_sum, p.second_low);
-                let m = sum / n;
-                let squares = exact(p.sum_of_squares, p.squares_low) / n;
+                let m = (p.first_sum.as_dvec3() + p.second_sum.as_dvec3()) / n;
+                let squares = p.sum_of_squares.as_dvec3() / n;
                 // Rounding can take a constant pixel below zero.
                 ((squares - m * m) / (n - 1.0)).max(DVec3::ZERO).as_vec3()
             })
@@ -175,11 +174,6 @@ impl Film {
     fn of_features(&self, value: impl Fn(&FeaturePixel) -> Vec3) -> Vec<Vec3> {
         self.features.iter().map(value).collect()
     }
-}
-
-/// A sum in two words, see [`raystream_shaders::film::sum`].
-pub(crate) fn exact(high: Vec3, low: Vec3) -> DVec3 {
-    high.as_dvec3() + low.as_dvec3()
 }
 
 fn mean(sum: Vec3, count: u32) -> Vec3 {

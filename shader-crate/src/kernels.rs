@@ -52,7 +52,7 @@ macro_rules! for_each_kernel {
             ) = $crate::film::stream::fill_runs {
                 uniform parameters: $crate::film::stream::RunWindow,
                 read starts: u32,
-                read film: $crate::film::FilmPixel,
+                read film: $crate::film::sums::PixelSums,
                 scatter slots: $crate::film::stream::Slot,
             }
             /// Empties a stream.
@@ -150,12 +150,12 @@ macro_rules! for_each_kernel {
                 read cache: $crate::glam::UVec4,
                 write contributions: $crate::film::Contribution,
             }
-            /// Adds a window's contributions to the film, every pixel its own run.
-            accumulate_runs[256] = $crate::film::accumulate::accumulate_runs {
-                uniform parameters: $crate::film::stream::RunWindow,
-                read starts: u32,
-                read contributions: $crate::glam::UVec4,
-                scatter film: $crate::glam::UVec4,
+            /// Adds the contributions of a stream to the film.
+            accumulate[256] = $crate::film::accumulate::accumulate {
+                uniform parameters: $crate::film::accumulate::AccumulateParams,
+                read slots: $crate::film::stream::Slot,
+                read contributions: u32,
+                atomic film,
             }
             /// Traces camera rays for the features that pixels lack.
             first_hits[128] = $crate::integrator::first_hits::first_hits {
@@ -166,7 +166,7 @@ macro_rules! for_each_kernel {
             /// Counts the rays that the film's samples took.
             count_rays[256] = $crate::film::accumulate::count_rays {
                 uniform parameters: $crate::film::accumulate::CountParams,
-                read film: $crate::film::FilmPixel,
+                read film: $crate::film::sums::PixelSums,
                 write rays: u32,
             }
             /// Adds up each block of numbers.
@@ -275,20 +275,13 @@ macro_rules! for_each_kernel {
                 uniform parameters: $crate::film::stream::RunWindow,
                 read starts: u32,
                 read reserved: u32,
-                read film: $crate::film::FilmPixel,
+                read film: $crate::film::sums::PixelSums,
                 scatter slots: $crate::film::stream::Slot,
-            }
-            /// Adds contributions to the film by atomics.
-            accumulate_atomic[256] = $crate::allocator::atomic::accumulate_atomic {
-                uniform parameters: $crate::film::stream::RunWindow,
-                read slots: $crate::film::stream::Slot,
-                read contributions: $crate::glam::UVec4,
-                atomic film,
             }
             /// Copies the film's sample counts.
             copy_counts[256] = $crate::film::accumulate::copy_counts {
                 uniform parameters: $crate::film::accumulate::CountParams,
-                read film: $crate::film::FilmPixel,
+                read film: $crate::film::sums::PixelSums,
                 write counts: u32,
             }
             /// Begins the bisection of thresholds.
@@ -318,18 +311,10 @@ macro_rules! for_each_kernel {
                 scatter counts: u32,
                 scatter slots: $crate::film::stream::Slot,
             }
-            /// Adds the contributions of a stream to the film.
-            paper_accumulate[256] = $crate::allocator::paper::paper_accumulate {
-                uniform parameters: $crate::allocator::paper::PaperParams,
-                read states: $crate::allocator::paper::PaperState,
-                read slots: $crate::film::stream::Slot,
-                read contributions: $crate::glam::UVec4,
-                scatter film: $crate::film::FilmPixel,
-            }
             /// Finds what the control film differs by.
             control_differences[256] = $crate::film::control::control_differences {
                 uniform parameters: $crate::film::control::ControlParams,
-                read film: $crate::film::FilmPixel,
+                read film: $crate::film::sums::PixelSums,
                 scatter differences: $crate::glam::Vec4,
                 scatter counts: $crate::glam::Vec4,
             }
@@ -409,7 +394,7 @@ macro_rules! for_each_kernel {
             /// Makes the guides of a band's pixels.
             make_guides[256] = $crate::estimator::guide::make_guides {
                 uniform parameters: $crate::estimator::guide::GuideParams,
-                read film: $crate::film::FilmPixel,
+                read film: $crate::film::sums::PixelSums,
                 read features: $crate::integrator::first_hits::FeaturePixel,
                 write guides: $crate::estimator::guide::Guide,
             }
@@ -417,7 +402,7 @@ macro_rules! for_each_kernel {
             filter_errors[256] = $crate::estimator::bilateral::filter_errors {
                 uniform parameters: $crate::estimator::bilateral::FilterParams,
                 read guides: $crate::estimator::guide::Guide,
-                read film: $crate::film::FilmPixel,
+                read film: $crate::film::sums::PixelSums,
                 write estimates: $crate::estimator::Estimate,
                 write errors: f32,
             }
@@ -429,8 +414,8 @@ macro_rules! for_each_kernel {
             }
             /// Makes the means of the two halves of samples, with their variances.
             make_halves[256] = $crate::reconstruction::halves::make_halves {
-                uniform parameters: $crate::reconstruction::PictureParams,
-                read film: $crate::film::FilmPixel,
+                uniform parameters: $crate::reconstruction::halves::HalvesParams,
+                read film: $crate::film::sums::PixelSums,
                 write first: $crate::glam::Vec4,
                 write second: $crate::glam::Vec4,
                 scatter noise: $crate::glam::Vec4,
@@ -566,7 +551,7 @@ macro_rules! for_each_kernel {
             axis_rates[64] = $crate::reconstruction::axis_aligned::axis_rates {
                 uniform parameters: $crate::reconstruction::axis_aligned::AxisParams,
                 read guides: $crate::estimator::guide::Guide,
-                read film: $crate::film::FilmPixel,
+                read film: $crate::film::sums::PixelSums,
                 write estimate: $crate::estimator::Estimate,
                 write error: f32,
             }
@@ -700,7 +685,7 @@ macro_rules! for_each_kernel {
             noise_errors[256] = $crate::estimator::noise_errors {
                 uniform parameters: $crate::estimator::NoiseParams,
                 read guides: $crate::estimator::guide::Guide,
-                read film: $crate::film::FilmPixel,
+                read film: $crate::film::sums::PixelSums,
                 write estimates: $crate::estimator::Estimate,
                 write errors: f32,
             }

@@ -1,16 +1,16 @@
 //! Allocators: budgets, proportions, strange errors, and films that are sequential sums, bit for
 //! bit, on both processors.
 
-use bytemuck::Zeroable;
 use glam::Vec3;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor};
 use raystream::render::AllocatorKind::{self, Atomic, Paper, Runs, Uniform};
 use raystream::render::Split;
-use raystream::render::allocator::{Allocation, Allocator, RoundBuffers, Streams, paper};
+use raystream::render::allocator::{Allocation, Allocator, RoundBuffers, Stream, Streams, paper};
 use raystream::render::film::FilmBuffers;
 use raystream::scene::FilmSize;
 use raystream_shaders::film::stream::{NO_PIXEL, Slot};
+use raystream_shaders::film::sums::PixelSums;
 use raystream_shaders::film::{Contribution, FilmPixel};
 use raystream_shaders::math::random::SECOND_HALF;
 use raystream_shaders::math::random::{hash, unit_float};
@@ -20,8 +20,12 @@ use raystream_tests::with_gpu;
 
 const ADAPTIVE: [AllocatorKind; 3] = [Paper, Atomic, Runs];
 const ALL: [AllocatorKind; 4] = [Uniform, Paper, Atomic, Runs];
+/// Samples that pixels have alike before a round.
+const FIRST_SAMPLE: u32 = 5;
+/// The unit of films is 2 to this power.
+const UNIT: i32 = -64;
 /// Bytes of a buffer that 320 pixels of the film fit.
-const BAND: u64 = 320 * size_of::<FilmPixel>() as u64;
+const BAND: u64 = 320 * size_of::<PixelSums>() as u64;
 
 /// A round to be made: its errors in rank order, its length, its random number.
 #[derive(Clone)]
@@ -41,7 +45,7 @@ struct Made {
     slots: Vec<Slot>,
     filled: u32,
     /// In rank order.
-    film: Vec<FilmPixel>,
+    film: Vec<PixelSums>,
 }
 
 impl Round {
@@ -59,64 +63,65 @@ impl Round {
 
     /// Samples that each pixel has before the round.
     fn counts_before(&self) -> Vec<u32> {
-        self.film_before().iter().map(FilmPixel::samples).collect()
+        self.film_before().iter().map(PixelSums::samples).collect()
     }
 
-    fn contributions(&self, exact: bool) -> Vec<Contribution> {
+    fn contributions(&self) -> Vec<Contribution> {
         (0..self.slots)
             .map(|slot| {
                 let word = |k: u32| hash(slot * 8 + k);
-                // Of any size and sign, so that every sum rounds; or whole numbers, whose sums are
-                // exact in any order.
+                // Of any size, some too large for a sum, some negative.
                 let number = |k: u32| {
-                    if exact {
-                        (word(k) % 1000) as f32
-                    } else {
-                        (unit_float(word(k)) - 0.5) * f32::exp2((word(k) % 200) as f32 - 100.0)
-                    }
+                    let scale = f32::exp2((word(k) % 128) as f32 - 80.0);
+                    (unit_float(word(k)) - 0.01) * scale
                 };
-                let vector = |k| Vec3::new(number(k), number(k + 1), number(k + 2));
-                Contribution {
-                    radiance: vector(0),
-                    rays: word(6) >> 20,
-                    squared: vector(3),
-                    zero: 0,
-                }
+                let radiance = Vec3::new(number(0), number(1), number(2));
+                Contribution { radiance, rays: word(6) >> 20 }
             })
             .collect()
     }
 
-    fn film_before(&self) -> Vec<FilmPixel> {
+    fn film_before(&self) -> Vec<PixelSums> {
         let pixel = |p: u32| {
-            let samples = 5 + hash(p) % 3;
+            // What pixels get alike are samples of a half of which all have as many.
+            let is_uniform = self.slots == self.uniform * self.pixels();
+            let samples = FIRST_SAMPLE + if is_uniform { 0 } else { hash(p) % 3 };
             let second_samples = match self.split {
                 Split::Whole => 0,
                 Split::ByTurns => samples / 2,
-                Split::Control => samples - 5,
+                Split::Control => samples - FIRST_SAMPLE,
             };
-            FilmPixel {
+            let pixel = FilmPixel {
                 first_samples: samples - second_samples,
                 second_samples,
                 first_sum: Vec3::splat((samples - second_samples) as f32),
                 second_sum: Vec3::splat(second_samples as f32),
-                ..FilmPixel::zeroed()
-            }
+                ..FilmPixel::NOTHING
+            };
+            PixelSums::of_pixel(&pixel, UNIT)
         };
         (0..self.pixels()).map(pixel).collect()
     }
 
-    fn make<E: Executor>(&self, executor: &E, kind: AllocatorKind, exact: bool) -> Made {
-        let allocator = Allocation::new(kind, executor, self.pixels()).unwrap();
-        self.make_with(executor, &allocator, exact)
+    fn make<E: Executor>(&self, executor: &E, kind: AllocatorKind) -> Made {
+        let allocation = Allocation::new(kind, executor, self.pixels()).unwrap();
+        self.with_buffers(executor, |buffers, stream| {
+            executor.run(&allocation.fill(buffers, stream)).unwrap();
+            let slots = buffers.slots.read(executor).unwrap();
+            executor.run(&allocation.accumulate(buffers, stream)).unwrap();
+            let bands = buffers.film.bands().iter();
+            let film = bands.flat_map(|band| band.film.read(executor).unwrap()).collect();
+            Made { slots, filled: allocation.filled(executor, stream).unwrap(), film }
+        })
     }
 
-    fn make_with<E: Executor>(
+    /// Calls `run` with what the launches of the round work on and with its stream.
+    fn with_buffers<E: Executor, T>(
         &self,
         executor: &E,
-        allocator: &dyn Allocator<E>,
-        exact: bool,
-    ) -> Made {
-        let film = FilmBuffers::new(executor, self.size).unwrap();
+        run: impl FnOnce(&RoundBuffers<'_, E::Buffer>, &Stream) -> T,
+    ) -> T {
+        let film = FilmBuffers::new(executor, self.size, UNIT).unwrap();
         let before = self.film_before();
         for band in film.bands() {
             band.film
@@ -132,7 +137,7 @@ impl Round {
         )
         .unwrap();
         let contributions =
-            Array::from_slice(executor, "contributions", &self.contributions(exact)).unwrap();
+            Array::from_slice(executor, "contributions", &self.contributions()).unwrap();
         let buffers = RoundBuffers {
             film: &film,
             paths: self.counts_before().iter().map(|&count| u64::from(count)).sum(),
@@ -145,15 +150,10 @@ impl Round {
         // Uniform windows are of whole tiles.
         let largest = self.slots.next_multiple_of(64 * self.slots.div_ceil(self.pixels()));
         let adaptive = u64::from(self.slots - self.uniform * self.pixels());
-        let mut streams = Streams::new(&film, self.uniform, adaptive, largest);
+        let mut streams = Streams::new(&film, self.uniform, FIRST_SAMPLE, adaptive, largest);
         let stream = streams.next(&film, largest).expect("a stream");
         assert!(streams.next(&film, largest).is_none(), "one stream");
-        let stream = &stream;
-        executor.run(&allocator.fill(&buffers, stream)).unwrap();
-        let filled_slots = slots.read(executor).unwrap();
-        executor.run(&allocator.accumulate(&buffers, stream)).unwrap();
-        let film = film.bands().iter().flat_map(|band| band.film.read(executor).unwrap()).collect();
-        Made { slots: filled_slots, filled: allocator.filled(executor, stream).unwrap(), film }
+        run(&buffers, &stream)
     }
 
     /// Samples that each pixel got in a round.
@@ -195,11 +195,11 @@ impl Round {
     }
 
     /// The film as one thread would add it up, in the order of the slots.
-    fn sequential_film(&self, made: &Made, exact: bool) -> Vec<FilmPixel> {
+    fn sequential_film(&self, made: &Made) -> Vec<PixelSums> {
         let mut film = self.film_before();
-        for (slot, contribution) in made.slots.iter().zip(self.contributions(exact)) {
+        for (slot, contribution) in made.slots.iter().zip(self.contributions()) {
             if slot.rank != NO_PIXEL {
-                film[slot.rank as usize].add(&contribution, slot.sample >= SECOND_HALF);
+                film[slot.rank as usize].add(&contribution, slot.sample >= SECOND_HALF, UNIT);
             }
         }
         film
@@ -245,23 +245,22 @@ fn budgets_are_met_and_films_are_sequential_sums() {
                 _ => round.clone(),
             };
             let what = format!("{kind:?}, {pixels} pixels, {} slots", round.slots);
-            let exact = kind == Atomic;
-            let cpu = round.make(&CpuExecutor, kind, exact);
+            let cpu = round.make(&CpuExecutor, kind);
             round.assert_sound(&cpu, &what);
-            assert_same_bytes(&cpu.film, &round.sequential_film(&cpu, exact), &what);
+            assert_same_bytes(&cpu.film, &round.sequential_film(&cpu), &what);
             // These errors leave the paper's method enough pixels for every one of its streams.
             assert_eq!(cpu.filled, round.slots, "{what}: the budget");
             with_gpu(|gpu| {
-                let gpu = round.make(gpu, kind, exact);
+                let gpu = round.make(gpu, kind);
                 round.assert_sound(&gpu, &what);
-                assert_same_bytes(&gpu.film, &round.sequential_film(&gpu, exact), &what);
+                assert_same_bytes(&gpu.film, &round.sequential_film(&gpu), &what);
+                assert_eq!(gpu.filled, cpu.filled);
                 if kind == Atomic {
                     // In whatever order, every pixel gets as many.
                     assert_eq!(round.counts(&gpu), round.counts(&cpu), "{what}");
                 } else {
                     assert_same_bytes(&gpu.slots, &cpu.slots, &what);
                     assert_same_bytes(&gpu.film, &cpu.film, &what);
-                    assert_eq!(gpu.filled, cpu.filled);
                 }
             });
         }
@@ -277,11 +276,11 @@ fn films_are_sequential_sums_however_far_apart_runs_are() {
             .map(|pixel| if pixel % live == 0 { 1.0 + (pixel % 7) as f32 } else { -1.0 })
             .collect();
         let round = Round::new(errors, budget);
-        let cpu = round.make(&CpuExecutor, Runs, false);
+        let cpu = round.make(&CpuExecutor, Runs);
         round.assert_sound(&cpu, "far apart");
-        assert_same_bytes(&cpu.film, &round.sequential_film(&cpu, false), "far apart");
+        assert_same_bytes(&cpu.film, &round.sequential_film(&cpu), "far apart");
         with_gpu(|gpu| {
-            assert_same_bytes(&round.make(gpu, Runs, false).film, &cpu.film, "far apart");
+            assert_same_bytes(&round.make(gpu, Runs).film, &cpu.film, "far apart");
         });
     }
 }
@@ -289,7 +288,7 @@ fn films_are_sequential_sums_however_far_apart_runs_are() {
 #[test]
 fn neighbours_in_a_stream_of_runs_are_neighbours_in_the_picture() {
     let round = Round::new(wild_errors(1200), 3000);
-    let made = round.make(&CpuExecutor, Runs, false);
+    let made = round.make(&CpuExecutor, Runs);
     assert!(
         made.slots.is_sorted_by_key(|slot| (slot.rank, slot.sample)),
         "runs follow each other in rank order"
@@ -299,11 +298,15 @@ fn neighbours_in_a_stream_of_runs_are_neighbours_in_the_picture() {
 #[test]
 fn no_pixel_is_twice_in_a_stream_of_the_paper() {
     let round = Round::new(wild_errors(1200), 3000);
-    let allocator = paper::Paper::new(&CpuExecutor, round.pixels()).unwrap();
-    let made = round.make_with(&CpuExecutor, &allocator, false);
-    let streams = allocator.states(&CpuExecutor).unwrap();
+    let paper = paper::Paper::new(&CpuExecutor, round.pixels()).unwrap();
+    let allocator: &dyn Allocator<CpuExecutor> = &paper;
+    let (slots, filled) = round.with_buffers(&CpuExecutor, |buffers, stream| {
+        CpuExecutor.run(&allocator.fill(buffers, stream)).unwrap();
+        (buffers.slots.read(&CpuExecutor).unwrap(), allocator.filled(&CpuExecutor, stream).unwrap())
+    });
+    let streams = paper.states(&CpuExecutor).unwrap();
     let taken: u32 = streams.iter().map(|stream| stream.taken).sum();
-    assert_eq!(taken, made.filled);
+    assert_eq!(taken, filled);
     assert!(
         streams.iter().filter(|stream| stream.taken > 0).count() > 3,
         "several streams were kept"
@@ -313,7 +316,7 @@ fn no_pixel_is_twice_in_a_stream_of_the_paper() {
         "one that was too long was dropped"
     );
     for stream in streams.iter().filter(|stream| stream.taken > 0) {
-        let slots = &made.slots[stream.filled as usize..][..stream.taken as usize];
+        let slots = &slots[stream.filled as usize..][..stream.taken as usize];
         assert!(
             slots.is_sorted_by(|a, b| a.rank < b.rank),
             "strictly ascending ranks: no pixel twice"
@@ -350,7 +353,7 @@ fn runs_fill_pixels_up() {
         let round = Round { uniform, split, ..Round::new(errors.clone(), budget) };
         let mut totals = vec![0_u32; pixels as usize];
         for phase in 0..256 {
-            let made = Round { salt: phase, ..round.clone() }.make(&CpuExecutor, Runs, false);
+            let made = Round { salt: phase, ..round.clone() }.make(&CpuExecutor, Runs);
             totals.iter_mut().zip(round.counts(&made)).for_each(|(total, count)| *total += count);
         }
         let counts: Vec<u32> = round.counts_before().iter().map(|count| count + uniform).collect();
@@ -382,7 +385,7 @@ fn the_papers_samples_are_in_proportion_to_errors() {
     let rounds = 1500;
     for seed in 0..rounds {
         let round = Round { salt: hash(seed), ..Round::new(errors.clone(), budget) };
-        let made = round.make(&CpuExecutor, Paper, false);
+        let made = round.make(&CpuExecutor, Paper);
         assert_eq!(made.filled, budget);
         totals.iter_mut().zip(round.counts(&made)).for_each(|(total, count)| *total += count);
     }
@@ -393,7 +396,7 @@ fn the_papers_samples_are_in_proportion_to_errors() {
     assert_chi_square(&totals, &expected, "the paper's streams");
     // The rounding of `atomic` is not random: each pixel gets its share to less than one sample.
     let round = Round::new(errors.clone(), 5000);
-    let counts = round.counts(&round.make(&CpuExecutor, Atomic, false));
+    let counts = round.counts(&round.make(&CpuExecutor, Atomic));
     for (&count, &error) in counts.iter().zip(&errors) {
         let expected = f64::from(error) / sum * 5000.0;
         assert!(
@@ -417,11 +420,11 @@ fn with_adaptive(
     let round = Round::new(errors.to_vec(), slots);
     for kind in ADAPTIVE {
         let what = format!("{kind:?}, {what}");
-        let cpu = round.make(&CpuExecutor, kind, true);
+        let cpu = round.make(&CpuExecutor, kind);
         round.assert_sound(&cpu, &what);
         check(kind, &cpu, &round.counts(&cpu));
         with_gpu(|gpu| {
-            let gpu = round.make(gpu, kind, true);
+            let gpu = round.make(gpu, kind);
             round.assert_sound(&gpu, &what);
             assert_eq!(round.counts(&gpu), round.counts(&cpu), "{what}");
         });
@@ -478,7 +481,7 @@ fn errors_that_are_not_finite_count_as_0_and_converged_pixels_get_nothing() {
         assert_eq!(made.filled, 4000, "{kind:?}");
         assert_eq!(counts[100..200].iter().sum::<u32>(), 0, "{kind:?}: converged pixels");
         assert!(counts[5] <= 1 && counts[600] <= 1, "{kind:?}: {} {}", counts[5], counts[600]);
-        let counts_of_tame = tame.counts(&tame.make(&CpuExecutor, kind, true));
+        let counts_of_tame = tame.counts(&tame.make(&CpuExecutor, kind));
         assert_eq!(counts, counts_of_tame, "{kind:?}: the other pixels do not notice");
     });
 }
@@ -498,16 +501,15 @@ fn the_largest_errors_there_are_get_nearly_all() {
 fn bands_change_nothing() {
     let round = Round::new(wild_errors(1200), 2500);
     let small = Hindered::by_buffers(&CpuExecutor, BAND);
-    assert_eq!(FilmBuffers::new(&small, round.size).unwrap().bands().len(), 4);
+    assert_eq!(FilmBuffers::new(&small, round.size, UNIT).unwrap().bands().len(), 4);
     for kind in ADAPTIVE {
-        let exact = kind == Atomic;
-        let whole = round.make(&CpuExecutor, kind, exact);
-        let bands = round.make(&small, kind, exact);
+        let whole = round.make(&CpuExecutor, kind);
+        let bands = round.make(&small, kind);
         assert_eq!(round.counts(&bands), round.counts(&whole), "{kind:?}");
         if kind != Atomic {
             assert_same_bytes(&bands.slots, &whole.slots, &format!("{kind:?}"));
         }
-        assert_same_bytes(&bands.film, &round.sequential_film(&bands, exact), &format!("{kind:?}"));
+        assert_same_bytes(&bands.film, &round.sequential_film(&bands), &format!("{kind:?}"));
     }
 }
 
@@ -516,9 +518,9 @@ fn bands_change_nothing() {
 fn windows_of_any_length_cover_every_pixel() {
     let size = FilmSize { width: 40, height: 30 };
     let small = Hindered::by_buffers(&CpuExecutor, BAND);
-    let film = FilmBuffers::new(&small, size).unwrap();
+    let film = FilmBuffers::new(&small, size, UNIT).unwrap();
     for uniform in [1, 5, 300] {
-        let mut streams = Streams::new(&film, uniform, 7, 100);
+        let mut streams = Streams::new(&film, uniform, 3, 7, 100);
         let mut got = vec![0; film.pixels() as usize];
         let mut last = None;
         for step in 0.. {
@@ -531,7 +533,10 @@ fn windows_of_any_length_cover_every_pixel() {
             // The smallest windows of a pass that began with longer ones may be longer.
             let fits = stream.slots <= largest || stream.pixels.len() <= 64;
             assert!(last.is_none() && fits, "{stream:?}");
-            stream.pixels.clone().for_each(|pixel| got[pixel as usize] += stream.uniform);
+            stream.pixels.clone().for_each(|pixel| {
+                assert_eq!(stream.first_sample, 3 + got[pixel as usize], "its next sample");
+                got[pixel as usize] += stream.uniform;
+            });
         }
         assert!(got.iter().all(|&samples| samples == uniform), "{got:?}");
         assert_eq!(last.expect("an adaptive part").slots, 7);

@@ -8,8 +8,9 @@ use raystream::render::estimator::{ComingRound, EstimateBuffers, Noise};
 use raystream::render::{AllocatorKind, EstimationSettings, Estimator, FilmBuffers, Sampling};
 use raystream::scene::FilmSize;
 use raystream_shaders::estimator::Estimate;
+use raystream_shaders::film::Contribution;
+use raystream_shaders::film::sums::PixelSums;
 use raystream_shaders::film::tiles::rank_of_pixel;
-use raystream_shaders::film::{Contribution, FilmPixel};
 use raystream_shaders::integrator::first_hits::FeaturePixel;
 use raystream_shaders::math::random::{hash, unit_float};
 use raystream_shaders::scene::abilities::{BASIC, Fixed};
@@ -37,6 +38,9 @@ pub fn random(seed: u32, pixel: usize, sample: u32) -> f32 {
     unit_float(hash(hash(hash(seed) ^ pixel as u32) ^ sample))
 }
 
+/// The unit of sums is 2 to this power.
+const UNIT: i32 = -64;
+
 /// A grey wall at z = -1, whose pixels have the samples `radiance(x, y, sample)`.
 pub fn wall(
     width: u32,
@@ -47,12 +51,12 @@ pub fn wall(
     let camera = camera(width, height);
     let pixels = (0..width * height).map(|p| (p % width, p / width));
     let film = |(x, y)| {
-        let mut film = FilmPixel::default();
+        let mut sums = PixelSums::default();
         for sample in 0..samples {
             let c = radiance(x, y, sample);
-            film.add(&Contribution::of(c, RAYS), sample % 2 == 1);
+            sums.add(&Contribution { radiance: c, rays: RAYS }, sample % 2 == 1, UNIT);
         }
-        film
+        sums.to_pixel(UNIT)
     };
     let features = |(x, y)| {
         let place = [x as f32 + 0.5, y as f32 + 0.5];

@@ -3,12 +3,12 @@
 use bytemuck::Zeroable;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor, kernels};
-use raystream_shaders::film::FilmPixel;
 use raystream_shaders::film::accumulate::CountParams;
+use raystream_shaders::film::sums::PixelSums;
 use raystream_shaders::math::random::hash;
 use raystream_tests::with_gpu;
 
-fn count_rays<E: Executor>(executor: &E, film: &[FilmPixel]) -> Vec<u32> {
+fn count_rays<E: Executor>(executor: &E, film: &[PixelSums]) -> Vec<u32> {
     let parameters =
         CountParams { threads: 64, pixels: film.len() as u32, ..CountParams::zeroed() };
     let film = Array::from_slice(executor, "film", film).unwrap();
@@ -19,8 +19,8 @@ fn count_rays<E: Executor>(executor: &E, film: &[FilmPixel]) -> Vec<u32> {
 
 #[test]
 fn ray_counts_are_equal() {
-    let film: Vec<FilmPixel> =
-        (0..500_u32).map(|k| FilmPixel { rays: hash(k) >> 12, ..FilmPixel::zeroed() }).collect();
+    let film: Vec<PixelSums> =
+        (0..500_u32).map(|k| PixelSums { rays: hash(k) >> 12, ..PixelSums::zeroed() }).collect();
     let cpu = count_rays(&CpuExecutor, &film);
     assert_eq!(cpu.iter().sum::<u32>(), film.iter().map(|p| p.rays).sum::<u32>());
     with_gpu(|gpu| assert_eq!(count_rays(gpu, &film), cpu));

@@ -1,56 +1,64 @@
 //! Sums of very many samples: the same on the GPU and on the CPU, bit for bit, and right.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor, kernels};
 use raystream::scene::{Camera, FilmSize, QuadLight, Scene};
-use raystream_shaders::film::accumulate::LANES_PER_PIXEL;
-use raystream_shaders::film::stream::{BY_TURNS, RunWindow};
-use raystream_shaders::film::{Contribution, FilmPixel};
+use raystream_shaders::film::Contribution;
+use raystream_shaders::film::accumulate::{AccumulateParams, LANES_PER_STRETCH, STRETCH};
+use raystream_shaders::film::stream::{BY_TURNS, Slot, sample_number};
+use raystream_shaders::film::sums::PixelSums;
 use raystream_shaders::math::random::{hash, unit_float};
 use raystream_tests::{prepare, render_on, scenes, settings, with_gpu};
 
 /// Pixels of the film, each brighter than the one before.
 const PIXELS: u32 = 64;
 
-/// A film that has been given the same `run` of contributions for each pixel `times` times.
-fn accumulated<E: Executor>(executor: &E, run: &[Contribution], times: u32) -> Vec<FilmPixel> {
-    let samples = run.len() as u32 / PIXELS;
-    let window = RunWindow {
-        threads: LANES_PER_PIXEL * PIXELS,
+/// The unit of films is 2 to this power: lights of 2000 are the brightest.
+const UNIT: i32 = -54;
+
+/// A film that has been given the same contributions, a run for each pixel, `times` times.
+fn accumulated<E: Executor>(executor: &E, runs: &[Contribution], times: u32) -> Vec<PixelSums> {
+    let count = runs.len() as u32;
+    let samples = count / PIXELS;
+    let slot = |k| Slot { rank: k / samples, sample: sample_number(BY_TURNS, k % samples) };
+    let slots: Vec<Slot> = (0..count).map(slot).collect();
+    let slots = Array::from_slice(executor, "slots", &slots).unwrap();
+    let contributions = Array::from_slice(executor, "contributions", runs).unwrap();
+    let film: Array<_, PixelSums> = Array::zeroed(executor, "film", PIXELS as usize).unwrap();
+    let parameters = AccumulateParams {
+        threads: count.div_ceil(STRETCH) * LANES_PER_STRETCH,
+        first_slot: 0,
+        end_slot: count,
         first_rank: 0,
         pixels: PIXELS,
-        samples,
-        first_slot: 0,
-        half: BY_TURNS,
-        pad0: 0,
-        pad1: 0,
+        unit_exponent: UNIT,
+        in_runs: 1,
+        pad: 0,
     };
-    let starts: Array<_, u32> = Array::zeroed(executor, "starts", 1).unwrap();
-    let contributions = Array::from_slice(executor, "contributions", run).unwrap();
-    let film = Array::zeroed(executor, "film", PIXELS as usize).unwrap();
     for _ in 0..times {
         let (from, to) = (contributions.view().cast(), film.view().cast());
-        executor.run(&[kernels::accumulate_runs(&window, starts.view(), from, to)]).unwrap();
+        executor.run(&[kernels::accumulate(&parameters, slots.view(), from, to)]).unwrap();
     }
     film.read(executor).unwrap()
 }
 
 /// Asserts that the means of a film are those of the contributions that it was given.
-fn assert_means(film: &[FilmPixel], run: &[Contribution], what: &str) {
-    let samples = run.len() / PIXELS as usize;
-    for (pixel, run) in film.iter().zip(run.chunks(samples)) {
-        let mean = |of: &dyn Fn(&Contribution) -> Vec3| {
-            run.iter().map(|c| of(c).as_dvec3()).sum::<glam::DVec3>() / samples as f64
+fn assert_means(film: &[PixelSums], runs: &[Contribution], what: &str) {
+    let samples = runs.len() / PIXELS as usize;
+    for (pixel, run) in film.iter().zip(runs.chunks(samples)) {
+        let pixel = pixel.to_pixel(UNIT);
+        let mean = |of: &dyn Fn(DVec3) -> DVec3| {
+            run.iter().map(|c| of(c.radiance.as_dvec3())).sum::<DVec3>() / samples as f64
         };
         let count = f64::from(pixel.samples());
-        let error = (pixel.sum().as_dvec3() / count - mean(&|c| c.radiance)).abs();
-        let squares = (pixel.sum_of_squares.as_dvec3() / count - mean(&|c| c.squared)).abs();
-        // Two roundings of each half's sum, one of their sum.
-        let bound = 4.0 * 2_f64.powi(-24);
+        let error = (pixel.sum().as_dvec3() / count - mean(&|c| c)).abs();
+        let squares = (pixel.sum_of_squares.as_dvec3() / count - mean(&|c| c * c)).abs();
+        // One rounding of each half's sum, one of their sum.
+        let bound = 2.0 * 2_f64.powi(-24);
         assert!(
-            error.cmple(bound * mean(&|c| c.radiance)).all()
-                && squares.cmple(bound * mean(&|c| c.squared)).all(),
+            error.cmple(bound * mean(&|c| c)).all()
+                && squares.cmple(bound * mean(&|c| c * c)).all(),
             "{what}: {pixel:?} after {count} samples"
         );
     }
@@ -73,7 +81,7 @@ fn long_sums_are_right_and_equal_on_all_devices() {
     {
         let samples = 4096;
         let run: Vec<Contribution> = (0..PIXELS * samples)
-            .map(|slot| Contribution::of(radiance(slot, samples), 1))
+            .map(|slot| Contribution { radiance: radiance(slot, samples), rays: 1 })
             .collect();
         // 2^20 samples a pixel: plain sums would be off by a percent.
         let film = accumulated(&CpuExecutor, &run, 256);

@@ -5,7 +5,7 @@ use raystream::exec::{ExecError, Executor};
 use raystream::render::integrator::wavefront::Wavefront;
 use raystream::render::{AllocatorKind, IntegratorKind, Renderer, Sampling, Settings};
 use raystream::scene::{FilmSize, load, load_named};
-use raystream_shaders::film::FilmPixel;
+use raystream_shaders::film::sums::PixelSums;
 use raystream_shaders::scene::abilities::BASIC;
 use raystream_tests::executors::Accounts;
 use raystream_tests::{large_scenes, prepare, settings};
@@ -45,7 +45,7 @@ fn a_large_picture_fits_4_gib() {
                 assert!(most < 4 << 30, "{name}, {integrator:?}, {allocator:?}: {gib:.2} GiB");
                 // It is the pictures that are counted: the film alone takes that much.
                 assert!(
-                    most > 3840 * 2160 * size_of::<FilmPixel>() as u64,
+                    most > 3840 * 2160 * size_of::<PixelSums>() as u64,
                     "{name}, {integrator:?}, {allocator:?}: {gib:.2} GiB"
                 );
             }

@@ -5,3 +5,4 @@ mod checkpoints;
 mod devices;
 mod references;
 mod rounds;
+mod team;

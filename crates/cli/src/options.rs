@@ -23,7 +23,8 @@ use std::time::{Duration, Instant};
 #[derive(Args)]
 pub struct DeviceArguments {
     /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name;
-    /// gpu:2 or NAME:2 is the second that fits.
+    /// gpu:2 or NAME:2 is the second that fits. A render takes several, with commas between them, or
+    /// all (every GPU).
     #[arg(
         long,
         default_value = "auto",
@@ -58,6 +59,11 @@ impl DeviceArguments {
     /// Opens the device that was asked for.
     pub fn open(&self) -> Result<Device, ExecError> {
         Device::open_with(&self.device, self.open.options())
+    }
+
+    /// Opens the devices that were asked for: the first, which has the film, and the others.
+    pub fn open_all(&self) -> Result<(Device, Vec<Device>), ExecError> {
+        Device::open_all(&self.device, self.open.options())
     }
 }
 

@@ -23,7 +23,8 @@ use raystream::film_file::{Command, FilmFile, Header, kernels_digest, scene_dige
 use raystream::image;
 use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
-    Budget, FilterKind, Outcome, PreparedScene, Renderer, Settings, Split, Stop, run_watched,
+    Budget, FilterKind, LocalWorker, Outcome, PreparedScene, Renderer, Settings, Split, Stop,
+    run_watched,
 };
 use raystream::scene::{DEFAULT_SCENE, FilmSize};
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
@@ -157,7 +158,7 @@ pub fn go_on(
     let scene = arguments.settings.load_scene(&arguments.scene, arguments.quiet)?;
     let outputs = arguments.outputs(&scene.name);
     arguments.check_files(&outputs)?;
-    let device = arguments.device.open()?;
+    let (device, others) = arguments.device.open_all()?;
     let mut settings = Settings {
         sampling: arguments.sampling.sampling(),
         denoise: arguments.denoise,
@@ -172,13 +173,14 @@ pub fn go_on(
         ..Facts::of_device(&device)
     });
     let (triangles, FilmSize { width, height }) = (scene.triangle_count(), settings.size);
-    let on = device.description();
+    let on = description(&device, &others);
     arguments
         .say(&format!("{}: {triangles} triangles, {width}x{height} pixels, on {on}", scene.name));
     let name = scene.name.clone();
     let prepared = arguments.settings.prepare(scene, arguments.quiet)?;
     arguments.fall_back_on_large_films(&device, &mut settings);
-    let job = Job { arguments, from, device: &device, prepared: &prepared, settings, name };
+    let (device, others) = (&device, others.as_slice());
+    let job = Job { arguments, from, device, others, on, prepared: &prepared, settings, name };
     let Rendered { film, outcome, kept } = job.render()?;
     arguments.say(&summary(&outcome, &film));
     for line in shortcomings(&outcome, &film, settings.sampling.noise) {
@@ -195,11 +197,24 @@ pub fn go_on(
     Ok(if outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
 }
 
+/// What to call devices that render together: of one kind, they make the film of one of them.
+fn description(device: &Device, others: &[Device]) -> String {
+    let all = std::iter::once(device).chain(others);
+    let mut names: Vec<String> = all.map(Device::description).collect();
+    names.dedup();
+    names.join(", ")
+}
+
 /// All that a render is made of.
 struct Job<'a> {
     arguments: &'a RenderArguments,
     from: Option<&'a Resumed>,
+    /// Who has the film.
     device: &'a Device,
+    /// Who else traces.
+    others: &'a [Device],
+    /// What they are called.
+    on: String,
     prepared: &'a PreparedScene,
     settings: Settings,
     /// Of the scene.
@@ -220,6 +235,10 @@ impl Job<'_> {
         let settings = settings_of_part(self.settings, part);
         let mut keeper = self.keeper()?;
         let mut renderer = Renderer::new(self.device, self.prepared, &settings)?;
+        for other in self.others {
+            let worker = LocalWorker::new(other.clone(), self.prepared, &settings)?;
+            renderer.add_worker(Box::new(worker));
+        }
         if let Some(Resumed { film, .. }) = self.from {
             renderer.restore(&film.checkpoint)?;
             let samples = renderer.paths() as f64 / f64::from(renderer.pixels());
@@ -254,7 +273,7 @@ impl Job<'_> {
             scene: self.name.clone(),
             scene_digest: scene_digest(self.prepared),
             settings: in_words(settings),
-            device: self.device.description(),
+            device: self.on.clone(),
             part: *part,
             merged: film.map(|film| film.merged.clone()).unwrap_or_default(),
             command: self.command()?,
@@ -326,7 +345,7 @@ impl Job<'_> {
         let seconds = self.seconds_before() + outcome.elapsed.as_secs_f64();
         let mut header = vec![
             ("scene".to_owned(), self.name.clone()),
-            ("device".to_owned(), self.device.description()),
+            ("device".to_owned(), self.on.clone()),
             ("samples".to_owned(), output::average_samples(film).to_string()),
             ("seconds".to_owned(), format!("{seconds:.3}")),
             ("stop".to_owned(), stop_name(outcome.stop).to_owned()),

@@ -41,7 +41,18 @@ impl<B, T: Pod> Array<B, T> {
         executor: &E,
         elements: &[T],
     ) -> Result<(), ExecError> {
-        executor.write(&self.buffer, 0, bytemuck::cast_slice(elements))
+        self.write_from(executor, 0, elements)
+    }
+
+    /// Replaces the elements from number `first` on.
+    pub fn write_from<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        first: usize,
+        elements: &[T],
+    ) -> Result<(), ExecError> {
+        let first_byte = (first * size_of::<T>()) as u64;
+        executor.write(&self.buffer, first_byte, bytemuck::cast_slice(elements))
     }
 
     /// Number of elements.

@@ -53,6 +53,27 @@ impl Device {
         Devices::enumerate(options).open(&selection)
     }
 
+    /// Opens the devices that `selection` names, with commas between them: each as
+    /// [`Self::open_with`] has it, the same one twice if it is named twice; or with `all` every GPU
+    /// that is no software, or else the CPU. Returns the first one and the others.
+    ///
+    /// # Errors
+    /// If one of them does not exist, or cannot run the kernels.
+    pub fn open_all(selection: &str, options: OpenOptions) -> Result<(Self, Vec<Self>), ExecError> {
+        let names: Vec<String> = if selection.eq_ignore_ascii_case("all") {
+            let gpus = Devices::enumerate(options).list();
+            let gpus = gpus.iter().filter(|device| device.is_gpu()).count();
+            (1..=gpus).map(|number| format!("gpu:{number}")).collect()
+        } else {
+            selection.split(',').map(|one| one.trim().to_owned()).collect()
+        };
+        let open = |name: &String| Self::open_with(name, options);
+        let Some((first, others)) = names.split_first() else {
+            return Ok((Self::Cpu(CpuExecutor), Vec::new()));
+        };
+        Ok((open(first)?, others.iter().map(open).collect::<Result<_, _>>()?))
+    }
+
     /// What to call it: the GPU's name, or the CPU and its threads.
     pub fn description(&self) -> String {
         match self {
@@ -209,6 +230,13 @@ pub struct DeviceInfo {
     pub buffer_bytes: u64,
     /// Why it cannot be used, if so.
     pub unsuitable: Option<String>,
+}
+
+impl DeviceInfo {
+    /// Whether it is a GPU that works, and no software.
+    fn is_gpu(&self) -> bool {
+        self.kind.ends_with(" GPU") && self.kind != "software GPU" && self.unsuitable.is_none()
+    }
 }
 
 impl Devices {

@@ -215,6 +215,14 @@ pub enum ExecError {
         /// What is wrong.
         reason: String,
     },
+    /// Somebody who traced for a render is gone.
+    #[error("{name} is gone: {reason}")]
+    Worker {
+        /// What it is called.
+        name: String,
+        /// What is known of the reason.
+        reason: String,
+    },
     /// The driver reported an error or lost the device.
     #[error("{device} failed: {message}; update its driver or use the CPU")]
     Device {

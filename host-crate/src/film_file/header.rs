@@ -151,6 +151,7 @@ mod camera_words {
 pub(super) struct Whole {
     width: u32,
     height: u32,
+    pub unit_exponent: i32,
     progress: RenderProgress,
     pub splats: Option<Splats>,
     header: Header,
@@ -170,6 +171,7 @@ impl Header {
         Whole {
             width: checkpoint.size.width,
             height: checkpoint.size.height,
+            unit_exponent: checkpoint.unit_exponent,
             progress: checkpoint.progress,
             splats: checkpoint.splats.as_ref().map(|sums| Splats {
                 words: sums.words.len(),

@@ -34,7 +34,7 @@ use std::path::Path;
 
 const MAGIC: &[u8; 16] = b"Raystream film\x1a\n";
 /// The form of the file, and of the numbers in it.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 const DIGEST_BYTES: usize = 32;
 /// Bytes before the header.
 const HEADER_START: usize = MAGIC.len() + 8;
@@ -110,8 +110,9 @@ impl FilmFile {
             })
         });
         let splats = splats.transpose()?;
+        let unit_exponent = header.unit_exponent;
         let (header, size, progress) = header.take_apart();
-        let checkpoint = Checkpoint { size, radiance, features, splats, progress };
+        let checkpoint = Checkpoint { size, radiance, unit_exponent, features, splats, progress };
         Ok(Self { header, checkpoint })
     }
 

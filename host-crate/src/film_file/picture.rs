@@ -21,11 +21,12 @@ impl FilmFile {
         executor: &E,
         denoise: Option<FilterKind>,
     ) -> Result<Film, RenderError> {
-        let Checkpoint { size, radiance, features, splats, progress } = &self.checkpoint;
-        let (width, height) = (size.width, size.height);
-        let mut film = Film::new(width, height, radiance.clone(), features.clone());
+        let Checkpoint { size, radiance, unit_exponent, features, splats, progress } =
+            &self.checkpoint;
+        let buffers = FilmBuffers::new(executor, *size, *unit_exponent)?;
+        buffers.write(executor, radiance, features)?;
+        let mut film = buffers.read(executor)?;
         film.splats = splats.as_ref().map(SplatSums::mean);
-        let buffers = FilmBuffers::from_film(executor, &film)?;
         if self.header.has_control {
             let control = ControlFilm::new(executor, *size)?;
             executor.run(&control.launches(&buffers))?;

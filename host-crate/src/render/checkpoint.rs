@@ -12,7 +12,7 @@ use super::settings::sampling::Split;
 use crate::exec::{ExecError, Executor};
 use crate::film::Film;
 use crate::scene::FilmSize;
-use raystream_shaders::film::FilmPixel;
+use raystream_shaders::film::sums::PixelSums;
 use raystream_shaders::integrator::first_hits::FeaturePixel;
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,9 @@ pub struct Checkpoint {
     /// Size of the picture in pixels.
     pub size: FilmSize,
     /// Radiance and sample counts, in rows from the top left.
-    pub radiance: Vec<FilmPixel>,
+    pub radiance: Vec<PixelSums>,
+    /// The unit of these sums is 2 to this power.
+    pub unit_exponent: i32,
     /// First-hit features, likewise.
     pub features: Vec<FeaturePixel>,
     /// What light tracing has found, if there is any.
@@ -58,17 +60,20 @@ impl<E: Executor> Renderer<E> {
     /// # Errors
     /// If the device fails.
     pub fn checkpoint(&self) -> Result<Checkpoint, ExecError> {
+        self.gather()?;
         let executor = &self.state.executor;
-        let mut film = self.state.film.read(executor)?;
+        let film = &self.state.film;
+        let mut radiance = film.read_sums(executor)?;
         let [first, second] = self.skipped_by_half();
-        for pixel in &mut film.radiance {
+        for pixel in &mut radiance {
             pixel.first_samples -= first;
             pixel.second_samples -= second;
         }
         Ok(Checkpoint {
-            size: FilmSize { width: film.width, height: film.height },
-            radiance: film.radiance,
-            features: film.features,
+            size: film.size(),
+            radiance,
+            unit_exponent: film.unit_exponent(),
+            features: film.read_features(executor)?,
             splats: self.state.integrator.splats(executor)?,
             progress: RenderProgress {
                 paths: self.done.paths,
@@ -89,12 +94,14 @@ impl<E: Executor> Renderer<E> {
     /// If the device fails, or the checkpoint does not fit: its picture has another size, or its
     /// integrator has kept something else.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), RenderError> {
+        self.gather()?;
         let executor = &self.state.executor;
         let pixels = [checkpoint.radiance.len(), checkpoint.features.len()];
         let shape = |sums: &SplatSums| (sums.words.len(), sums.unit_exponent, sums.light_paths);
         let own = self.state.integrator.splats(executor)?;
         if checkpoint.size != self.state.film.size()
             || pixels != [self.pixels() as usize; 2]
+            || checkpoint.unit_exponent != self.state.film.unit_exponent()
             || checkpoint.splats.as_ref().map(shape) != own.as_ref().map(shape)
         {
             return Err(RenderError::CheckpointDiffers);
@@ -104,7 +111,7 @@ impl<E: Executor> Renderer<E> {
         self.done = Done { paths, uniform: uniform_samples, rounds };
         self.rest = checkpoint.progress.rest;
         let [first, second] = self.skipped_by_half();
-        let shifted = |pixel: &FilmPixel| FilmPixel {
+        let shifted = |pixel: &PixelSums| PixelSums {
             first_samples: pixel.first_samples + first,
             second_samples: pixel.second_samples + second,
             ..*pixel

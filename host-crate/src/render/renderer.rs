@@ -1,28 +1,26 @@
-//! A render on one device, and its rounds: what it owns, what it can be asked, and how a round goes
-//! from batch to batch.
+//! A render: what it owns, and what it can be asked.
 
-use super::allocator::{Allocation, Allocator as _, RoundBuffers, Stream, Streams, Windows};
+use super::allocator::{Allocation, RoundBuffers, Stream, Windows};
 use super::estimator::{Estimation, FilmSamples, Noise};
 use super::film::control::ControlFilm;
-use super::film::{FilmBuffers, WINDOW_ALIGNMENT};
 use super::integrator::{self, Integrator, IntegratorContext};
 use super::reconstruction::{FilterView, FilteredPicture, Reconstruction};
+use super::round::Round;
 use super::round::batch::BatchSize;
 use super::round::launches::TimedLaunches;
 use super::round::plan::{self, Done, Limits, RoundPlan, plan};
-use super::round::state::{DeviceState, allocate_stream};
+use super::round::state::DeviceState;
 use super::scene::PreparedScene;
 use super::settings::Settings;
 use super::settings::sampling::{Sampling, Split};
+use super::team::{Team, Worker};
 use super::timings::{Part, Timings};
 use crate::exec::device::Device;
 use crate::exec::{Array, ExecError, Executor, kernels};
 use crate::film::Film;
 use bytemuck::Zeroable;
 use raystream_shaders::film::accumulate::CountParams;
-use raystream_shaders::math::random::hash;
-use std::ops::Range;
-use std::time::Instant;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A scene, a film and a sample stream on a device.
 ///
@@ -31,11 +29,11 @@ use std::time::Instant;
 pub struct Renderer<E: Executor = Device> {
     pub(super) state: DeviceState<E>,
     pub(super) estimation: Estimation<E::Buffer>,
-    batch: BatchSize,
+    pub(super) batch: BatchSize,
     pub(super) done: Done,
-    seed: u32,
+    pub(super) seed: u32,
     pub(super) sampling: Sampling,
-    allocation: Allocation<E>,
+    pub(super) allocation: Allocation<E>,
     /// None where no half of the samples is one.
     control: Option<ControlFilm<E::Buffer>>,
     /// None where the picture is not to be filtered.
@@ -47,6 +45,9 @@ pub struct Renderer<E: Executor = Device> {
     pub(super) skipped: u32,
     /// See [`Self::convergence`].
     convergence: f64,
+    /// Who else traces. What they have in films of their own is [gathered](Self::gather) before
+    /// anybody looks at the film.
+    team: Mutex<Team>,
 }
 
 /// Threads that count rays.
@@ -69,43 +70,71 @@ impl<E: Executor> Renderer<E> {
     where
         C: FnOnce(&IntegratorContext<'_, E>, u32) -> Result<Box<dyn Integrator<E>>, ExecError>,
     {
-        let scene_buffers = scene.buffers_for(&executor, settings.abilities())?;
-        let film = FilmBuffers::new(&executor, settings.size)?;
-        let (slots, contributions) = allocate_stream(&executor, settings.stream_slots)?;
-        let parameters = scene.parameters(settings);
-        let context = IntegratorContext {
-            executor: &executor,
-            scene: &scene_buffers,
-            parameters: &parameters,
-            settings,
-        };
-        let integrator = create(&context, slots.len() as u32)?;
+        let state = DeviceState::new(executor, scene, settings, create)?;
+        let executor = &state.executor;
         let sampling = settings.whole_sampling();
         let has_control = sampling.split() == Split::Control;
-        let control = has_control.then(|| ControlFilm::new(&executor, settings.size));
+        let control = has_control.then(|| ControlFilm::new(executor, settings.size));
         Ok(Self {
-            estimation: Estimation::new(&executor, settings.size, sampling)?,
-            batch: BatchSize::new(slots.len() as u32),
+            estimation: Estimation::new(executor, settings.size, sampling)?,
+            batch: BatchSize::new(state.slots.len() as u32),
             done: Done::default(),
             seed: settings.seed,
             sampling,
-            allocation: Allocation::new(sampling.allocator, &executor, film.pixels())?,
+            allocation: Allocation::new(sampling.allocator, executor, state.film.pixels())?,
             control: control.transpose()?,
-            reconstruction: reconstruction(&executor, settings)?,
-            ray_counts: Array::zeroed(&executor, "ray counts", COUNTERS as usize)?,
+            reconstruction: reconstruction(executor, settings)?,
+            ray_counts: Array::zeroed(executor, "ray counts", COUNTERS as usize)?,
             rest: Windows::default(),
             skipped: 0,
             convergence: 0.0,
-            state: DeviceState {
-                executor,
-                scene: scene_buffers,
-                film,
-                parameters,
-                integrator,
-                slots,
-                contributions,
-            },
+            team: Mutex::default(),
+            state,
         })
+    }
+
+    /// Has a worker trace for the render from the next round on, with the same scene and settings.
+    pub fn add_worker(&mut self, worker: Box<dyn Worker>) {
+        self.team().add(worker);
+    }
+
+    pub(super) fn team(&self) -> MutexGuard<'_, Team> {
+        self.team.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits for the workers and adds what is in their films to the render's own.
+    pub(super) fn gather(&self) -> Result<(), ExecError> {
+        let DeviceState { executor, film, .. } = &self.state;
+        let mut team = self.team();
+        team.hand_over(film.pixels(), |ranks, sums| film.add_ranks(executor, ranks.start, sums))?;
+        for window in team.take_lost() {
+            self.sample(&window)?;
+        }
+        Ok(())
+    }
+
+    /// Traces the samples of a window, all at once.
+    fn sample(&self, window: &Stream) -> Result<(), ExecError> {
+        let Self { state, allocation, .. } = self;
+        let buffers = self.round_buffers(0);
+        let mut launches = allocation.fill(&buffers, window);
+        launches.extend(state.integrator.trace(&state.stream_buffers(), 0..window.slots));
+        launches.extend(allocation.accumulate(&buffers, window));
+        state.executor.run_parts(&[&launches])?;
+        Ok(())
+    }
+
+    /// What the launches of a round with the random number `salt` work on.
+    pub(super) fn round_buffers(&self, salt: u32) -> RoundBuffers<'_, E::Buffer> {
+        RoundBuffers {
+            film: &self.state.film,
+            paths: self.done.paths,
+            split: self.sampling.split(),
+            errors: self.estimation.errors(),
+            slots: &self.state.slots,
+            contributions: &self.state.contributions,
+            salt,
+        }
     }
 
     /// Pixels of the film.
@@ -133,6 +162,7 @@ impl<E: Executor> Renderer<E> {
         }
         let plan = plan(&self.sampling, &self.limits(), self.done, paths_left);
         let timings = if plan.adaptive > 0 {
+            self.gather()?;
             let samples = self.film_samples();
             self.estimation.measure_mean_radiance(&self.state, samples)?
         } else {
@@ -157,12 +187,12 @@ impl<E: Executor> Renderer<E> {
         Some(samples).filter(|&samples| samples < u32::MAX)
     }
 
-    fn limits(&self) -> Limits {
+    pub(super) fn limits(&self) -> Limits {
         Limits {
             pixels: self.pixels(),
             slots: self.state.slots.len() as u32,
             samples_that_share: self.samples_that_share(),
-            batch: self.batch.slots(),
+            batch: self.batch.slots().saturating_add(self.team().batch_slots()),
         }
     }
 
@@ -176,6 +206,7 @@ impl<E: Executor> Renderer<E> {
     /// The noise of the picture so far, of the filtered one with [`Settings::denoise`]; none where
     /// errors are not estimated, see [`Sampling`].
     pub fn noise(&mut self) -> Result<Option<Noise>, ExecError> {
+        self.gather()?;
         let samples = self.film_samples();
         let noise = self.estimation.noise(&self.state, samples)?;
         let (Some(noise), Some(reconstruction)) = (noise, &self.reconstruction) else {
@@ -208,6 +239,7 @@ impl<E: Executor> Renderer<E> {
         if self.done.paths < u64::from(self.sampling.initial_samples) * u64::from(self.pixels()) {
             return Ok(false);
         }
+        self.gather()?;
         let samples = self.film_samples();
         self.estimation.measure_mean_radiance(&self.state, samples)?;
         let Some(noise) = self.noise()? else { return Ok(false) };
@@ -227,6 +259,7 @@ impl<E: Executor> Renderer<E> {
 
     /// Rays that all samples so far have traced, shadow rays included.
     pub fn rays(&self) -> Result<u64, ExecError> {
+        self.gather()?;
         let executor = &self.state.executor;
         let mut total = 0;
         for band in self.state.film.bands() {
@@ -251,6 +284,7 @@ impl<E: Executor> Renderer<E> {
 
     /// [`Self::film`] of what is in the film on the device, skipped samples included.
     pub(super) fn film_on_device(&mut self) -> Result<Film, ExecError> {
+        self.gather()?;
         let samples = self.film_samples();
         self.estimation.run_update(&self.state, samples)?;
         self.resolve()?;
@@ -269,6 +303,7 @@ impl<E: Executor> Renderer<E> {
     /// there is a control film, and the filtered picture, where there is to be one: the last step
     /// before the film is read, which [`Self::film`] takes by itself. Returns where the time went.
     pub fn resolve(&self) -> Result<Timings, ExecError> {
+        self.gather()?;
         let mut launches = TimedLaunches::default();
         if let Some(control) = &self.control {
             launches.add(control.launches(&self.state.film), Part::Resolve);
@@ -291,162 +326,4 @@ fn reconstruction<E: Executor>(
         Reconstruction::new(executor, FilteredPicture::new(executor, settings.size, kind, filter)?)
     };
     settings.denoise.map(create).transpose()
-}
-
-/// A round under way: the caller takes it from batch to batch, and may look at the clock or tell
-/// of progress in between. A round that is dropped before its end leaves out the samples of the
-/// streams that it has not come to the end of; if samples are independent and all pixels get as
-/// many, the next round goes on with them.
-#[must_use = "a round traces nothing until its batches are taken"]
-pub struct Round<'r, E: Executor> {
-    renderer: &'r mut Renderer<E>,
-    plan: RoundPlan,
-    /// The streams that are still to be begun.
-    streams: Streams,
-    /// The stream that is being worked off.
-    stream: Option<Stream>,
-    /// The first slot of the next batch in the stream.
-    next: u32,
-    /// Whether no batch has been run.
-    is_new: bool,
-    timings: Timings,
-}
-
-/// What one submission has traced.
-#[derive(Clone, Copy, Debug)]
-pub struct Batch {
-    /// Slots of the sample stream: as many paths, but for slots that stay empty.
-    pub paths: u32,
-    /// Where its time went.
-    pub timings: Timings,
-}
-
-impl<'r, E: Executor> Round<'r, E> {
-    /// Begins the round; `timings` are of what was done for it before.
-    fn new(renderer: &'r mut Renderer<E>, plan: RoundPlan, timings: Timings) -> Self {
-        let state = &renderer.state;
-        let largest = state.slots.len() as u32;
-        let streams = Streams::new(&state.film, plan.uniform, plan.adaptive, largest);
-        renderer.done.rounds += 1;
-        renderer.done.uniform += plan.uniform;
-        renderer.rest = Windows::default();
-        Self { renderer, plan, streams, stream: None, next: 0, is_new: true, timings }
-    }
-
-    /// Goes on with what is left of a round.
-    fn of_rest(renderer: &'r mut Renderer<E>, rest: Windows) -> Self {
-        let number = renderer.done.rounds.saturating_sub(1);
-        let plan = RoundPlan { number, uniform: rest.samples(), adaptive: 0 };
-        let (streams, timings) = (Streams::of_rest(rest), Timings::default());
-        Self { renderer, plan, streams, stream: None, next: 0, is_new: true, timings }
-    }
-
-    /// Traces the next batch: slots of one stream, as many as the device works off in about a tenth
-    /// of a second. None at the round's end.
-    pub fn next_batch(&mut self) -> Result<Option<Batch>, ExecError> {
-        let batch = self.renderer.batch.slots().next_multiple_of(WINDOW_ALIGNMENT);
-        if self.stream.is_none() {
-            // A window is no longer than a batch, so that it is in the film soon.
-            let state = &self.renderer.state;
-            self.stream = self.streams.next(&state.film, batch.min(state.slots.len() as u32));
-        }
-        let Some(stream) = &self.stream else { return Ok(None) };
-        let slots = self.next..stream.slots.min(self.next + batch);
-        let (paths, is_last) = (slots.end - slots.start, slots.end == stream.slots);
-        let executor = &self.renderer.state.executor;
-        let start = Instant::now();
-        let timings = self.launches(stream, slots.clone()).run(executor)?;
-        let elapsed = start.elapsed();
-        let allocation = &self.renderer.allocation;
-        let filled = if is_last { allocation.filled(executor, stream)? } else { 0 };
-
-        let samples = self.renderer.film_samples();
-        let is_updated = self.is_new && self.is_adaptive();
-        let Renderer { estimation, done, batch, .. } = &mut *self.renderer;
-        if is_updated {
-            estimation.updated(samples);
-        }
-        estimation.film_changed();
-        batch.record(paths, elapsed);
-        done.paths += u64::from(filled);
-        self.is_new = false;
-        self.next = slots.end;
-        if is_last {
-            self.stream = None;
-            self.next = 0;
-            if self.has_independent_samples() {
-                self.renderer.rest = self.streams.rest();
-            }
-        }
-        self.timings += timings;
-        Ok(Some(Batch { paths, timings }))
-    }
-
-    /// The launches of a batch: with the first one what the round needs before, with a stream's
-    /// first one what fills it, with its last one what adds it to the film.
-    fn launches(&self, stream: &Stream, slots: Range<u32>) -> TimedLaunches<'_, E::Buffer> {
-        let Renderer { state, estimation, allocation, sampling, done, .. } = &*self.renderer;
-        let number = self.plan.number;
-        let mut launches = TimedLaunches::default();
-        if self.is_new {
-            if self.is_adaptive() {
-                launches = estimation.update(state, self.renderer.film_samples());
-            }
-            let begin = state.integrator.begin_round(&state.stream_buffers(), number);
-            launches.add(begin, Part::Tracing);
-        }
-        let buffers = RoundBuffers {
-            film: &state.film,
-            paths: done.paths,
-            split: sampling.split(),
-            errors: estimation.errors(),
-            slots: &state.slots,
-            contributions: &state.contributions,
-            salt: if self.is_adaptive() { hash(self.renderer.seed ^ hash(number)) } else { 0 },
-        };
-        let (is_first, is_last) = (slots.start == 0, slots.end == stream.slots);
-        if is_first {
-            launches.add(allocation.fill(&buffers, stream), Part::Generation);
-        }
-        launches.add(state.integrator.trace(&state.stream_buffers(), slots), Part::Tracing);
-        if is_last {
-            launches.add(allocation.accumulate(&buffers, stream), Part::Accumulation);
-        }
-        launches
-    }
-
-    /// Whether all that has been traced is in the film: dropped now, the round loses nothing.
-    pub fn is_in_film(&self) -> bool {
-        self.stream.is_none()
-    }
-
-    /// Who renders it.
-    pub fn renderer(&self) -> &Renderer<E> {
-        self.renderer
-    }
-
-    /// Whether nothing is lost and nothing changes if the round is dropped now and another renderer
-    /// goes on from a [`Checkpoint`](super::Checkpoint).
-    pub fn can_be_kept(&self) -> bool {
-        self.is_in_film() && self.has_independent_samples()
-    }
-
-    fn has_independent_samples(&self) -> bool {
-        !self.is_adaptive() && self.renderer.samples_that_share().is_none()
-    }
-
-    fn is_adaptive(&self) -> bool {
-        self.plan.adaptive > 0
-    }
-
-    /// Where the time of the batches so far went.
-    pub fn timings(&self) -> Timings {
-        self.timings
-    }
-
-    /// Traces what is left of the round. Returns where the time of all of it went.
-    pub fn finish(mut self) -> Result<Timings, ExecError> {
-        while self.next_batch()?.is_some() {}
-        Ok(self.timings)
-    }
 }

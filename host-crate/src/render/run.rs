@@ -2,7 +2,8 @@
 
 use super::error::RenderError;
 use super::estimator::Noise;
-use super::renderer::{Renderer, Round};
+use super::renderer::Renderer;
+use super::round::Round;
 use super::timings::Timings;
 use crate::exec::Executor;
 use std::time::{Duration, Instant};

@@ -3,17 +3,14 @@
 //!
 //! Each pixel gets samples in proportion to its error, reserves its slots by an atomic counter, and
 //! results are added to the film by atomics. So the order of the stream and that of the additions
-//! are whatever the device makes of them: this allocator alone is not the same on every device, nor
-//! twice on one. The numbers of samples are: they are the lengths of [runs](crate::allocator::runs)
-//! without a random phase.
+//! are whatever the device makes of them. What comes of it is the same all the same: the numbers of
+//! samples are the lengths of [runs](crate::allocator::runs) without a random phase, and
+//! [sums](crate::film::sums) do not know their order. (The paper's are sums of floats, which do.)
 
 use crate::allocator::error_scale::{BlockErrors, is_live, magnitude, quantised};
 use crate::allocator::runs::RunParams;
-use crate::film::accumulate::ContributionView;
 use crate::film::stream::{RunWindow, Runs, Slot, counted, sample_number};
-use crate::film::{FilmPixel, PIXEL_WORDS};
-use crate::glam::{UVec4, Vec3};
-use crate::math::random::SECOND_HALF;
+use crate::film::sums::PixelSums;
 use crate::math::wide::{Wide, multiply, multiply_divide};
 use crate::memory::access::{Atomics, Scatter, at, local_mut};
 use crate::parallel::prefix::{BLOCK, LANES, Lane, Memory, PER_LANE, finish_block_sum};
@@ -113,7 +110,7 @@ pub fn fill_reserved(
     window: &RunWindow,
     starts: &[u32],
     reserved: &[u32],
-    film: &[FilmPixel],
+    film: &[PixelSums],
     slots: &mut Scatter<'_, Slot>,
 ) {
     if lane < at(starts, 0) || lane >= at(starts, window.pixels) {
@@ -133,51 +130,4 @@ pub fn fill_reserved(
     let sample = sample_number(window.half, counted(window.half, &at(film, pixel)) + k);
     let slot = Slot { rank: window.first_rank + pixel, sample };
     slots.set(at(reserved, pixel) + k, slot);
-}
-
-/// Slots that one lane adds up where they are of one pixel, before it adds the sum to the film:
-/// many lanes that change one word by turns wait for each other.
-pub const STRETCH: u32 = 64;
-
-/// Kernel: adds the contributions of stretch `lane` of the stream to the pixels of the window.
-/// `film` holds [`FilmPixel`]s; the stream ends where the slots do. What additions to the film
-/// round off is lost, as it is in the method that this allocator measures: no two words change at
-/// once.
-pub fn accumulate_atomic(
-    lane: u32,
-    window: &RunWindow,
-    slots: &[Slot],
-    contributions: &[UVec4],
-    film: &mut Atomics<'_>,
-) {
-    let contributions = ContributionView::new(contributions);
-    let mut slot = lane * STRETCH;
-    let end = (slot + STRETCH).min(slots.len() as u32);
-    while slot < end {
-        let rank = at(slots, slot).rank;
-        // Counts begin at 1, since naga takes a number for lost that comes from a loop and goes
-        // into an atomic as it is.
-        let mut sums =
-            FilmPixel { first_samples: 1, second_samples: 1, rays: 1, ..FilmPixel::NOTHING };
-        while slot < end && at(slots, slot).rank == rank {
-            sums.add(&contributions.get(slot), at(slots, slot).sample >= SECOND_HALF);
-            slot += 1;
-        }
-        let pixel = rank.wrapping_sub(window.first_rank);
-        if pixel < window.pixels {
-            let first = pixel * PIXEL_WORDS;
-            add(film, first, sums.first_sum);
-            film.add(first + 3, sums.first_samples - 1);
-            add(film, first + 4, sums.second_sum);
-            film.add(first + 7, sums.second_samples - 1);
-            add(film, first + 8, sums.sum_of_squares);
-            film.add(first + 15, sums.rays - 1);
-        }
-    }
-}
-
-fn add(film: &mut Atomics<'_>, first: u32, value: Vec3) {
-    film.add_float(first, value.x);
-    film.add_float(first + 1, value.y);
-    film.add_float(first + 2, value.z);
 }

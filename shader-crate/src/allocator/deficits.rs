@@ -219,8 +219,8 @@ fn last_pass(pass: u32, levels: &Atomics<'_>) -> Filled {
     }
     let first = (pass - 1) * LEVEL_WORDS;
     Filled {
-        samples: Wide { high: levels.load(first), low: levels.load(first + 1) },
-        errors: Wide { high: levels.load(first + 2), low: levels.load(first + 3) },
+        samples: Wide { high: levels.get(first), low: levels.get(first + 1) },
+        errors: Wide { high: levels.get(first + 2), low: levels.get(first + 3) },
     }
 }
 

@@ -12,11 +12,8 @@
 //! All in integers (see [`crate::allocator::error_scale`]), all decided on the device.
 
 use crate::allocator::error_scale::{BlockErrors, is_live, magnitude, quantised};
-use crate::film::FilmPixel;
-use crate::film::accumulate::ContributionView;
 use crate::film::stream::{Slot, sample_number};
-use crate::glam::UVec4;
-use crate::math::random::{SECOND_HALF, hash};
+use crate::math::random::hash;
 use crate::math::wide::{Wide, divide, multiply};
 use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
@@ -27,7 +24,7 @@ pub const BISECTIONS: u32 = 32;
 pub const STREAMS: u32 = BISECTIONS + 2;
 
 device_struct! {
-    /// The parameters of one step: of one stream. 48 bytes.
+    /// The parameters of one step: of one stream. 32 bytes.
     pub struct PaperParams {
         /// Lanes of the launch.
         pub threads: u32,
@@ -41,19 +38,11 @@ device_struct! {
         pub stream: u32,
         /// A random number, other for every stream.
         pub salt: u32,
-        /// Rank of the first pixel of the film that is bound.
-        pub first_rank: u32,
-        /// Pixels of the film that is bound.
-        pub film_pixels: u32,
         /// Which half samples are of: [`FIRST`](crate::film::stream::FIRST), or
         /// [`BY_TURNS`](crate::film::stream::BY_TURNS).
         pub half: u32,
         /// Unused; zero.
-        pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
-        /// Unused; zero.
-        pub pad2: u32,
+        pub pad: u32,
     }
 }
 
@@ -173,30 +162,5 @@ pub fn paper_append(
         counts.set(rank, count + 1);
         let sample = sample_number(params.half, count);
         slots.set(state.filled + place, Slot { rank, sample });
-    }
-}
-
-/// Kernel: adds the contribution number `lane` of the stream to its pixel, which no other of the
-/// stream has.
-pub fn paper_accumulate(
-    lane: u32,
-    params: &PaperParams,
-    states: &[PaperState],
-    slots: &[Slot],
-    contributions: &[UVec4],
-    film: &mut Scatter<'_, FilmPixel>,
-) {
-    let state = at(states, params.stream);
-    if lane >= state.taken {
-        return;
-    }
-    let place = state.filled + lane;
-    let slot = at(slots, place);
-    let pixel = slot.rank.wrapping_sub(params.first_rank);
-    if pixel < params.film_pixels {
-        let mut sums = film.get(pixel);
-        let contribution = ContributionView::new(contributions).get(place);
-        sums.add(&contribution, slot.sample >= SECOND_HALF);
-        film.set(pixel, sums);
     }
 }

@@ -11,7 +11,7 @@
 use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::{Guide, mean_of_squares, unpack_normal};
 use crate::estimator::{ErrorForm, Estimate};
-use crate::film::FilmPixel;
+use crate::film::sums::PixelSums;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::{Vec3, Vec4};
 use crate::math::UNIT_ROUNDOFF;
@@ -78,7 +78,7 @@ pub fn filter_errors(
     lane: u32,
     params: &FilterParams,
     guides: &[Guide],
-    film: &[FilmPixel],
+    film: &[PixelSums],
     estimate: &mut Estimate,
     error: &mut f32,
 ) {

@@ -2,6 +2,7 @@
 //! short read.
 
 use crate::film::FilmPixel;
+use crate::film::sums::PixelSums;
 use crate::glam::Vec3;
 use crate::integrator::first_hits::FeaturePixel;
 use crate::math::{is_finite, is_finite_vector};
@@ -44,10 +45,10 @@ device_struct! {
         pub threads: u32,
         /// [`SUM_OF_SQUARES`] or [`HALVES`].
         pub spread: u32,
+        /// The unit of the film is 2 to this power.
+        pub unit_exponent: i32,
         /// Unused; zero.
-        pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
+        pub pad: u32,
     }
 }
 
@@ -79,11 +80,12 @@ impl Guide {
 pub fn make_guides(
     lane: u32,
     params: &GuideParams,
-    film: &[FilmPixel],
+    film: &[PixelSums],
     features: &[FeaturePixel],
     guide: &mut Guide,
 ) {
-    *guide = guide_of(&at(film, lane), &at(features, lane), params.spread);
+    let pixel = at(film, lane).to_pixel(params.unit_exponent);
+    *guide = guide_of(&pixel, &at(features, lane), params.spread);
 }
 
 /// The guide of one pixel.
@@ -185,6 +187,7 @@ fn pack_coordinate(coordinate: f32) -> u32 {
 mod tests {
     use super::*;
     use crate::film::Contribution;
+    use crate::math::fixed::unit_exponent;
     use crate::math::random::{hash, unit_float};
 
     #[test]
@@ -213,12 +216,12 @@ mod tests {
     }
 
     fn film(samples: &[f32]) -> FilmPixel {
-        let mut film = FilmPixel::default();
+        let (mut sums, unit) = (PixelSums::default(), unit_exponent(1.0));
         for (k, &sample) in samples.iter().enumerate() {
             let radiance = Vec3::new(sample, 2.0 * sample, 0.0);
-            film.add(&Contribution::of(radiance, 1), k % 2 == 1);
+            sums.add(&Contribution { radiance, rays: 1 }, k % 2 == 1, unit);
         }
-        film
+        sums.to_pixel(unit)
     }
 
     #[test]

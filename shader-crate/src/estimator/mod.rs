@@ -9,7 +9,7 @@ pub mod filtered;
 pub mod guide;
 
 use crate::estimator::guide::Guide;
-use crate::film::FilmPixel;
+use crate::film::sums::PixelSums;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::Vec3;
 use crate::math::{is_finite, mean_of_components};
@@ -161,7 +161,7 @@ pub fn noise_errors(
     lane: u32,
     params: &NoiseParams,
     guides: &[Guide],
-    film: &[FilmPixel],
+    film: &[PixelSums],
     estimate: &mut Estimate,
     error: &mut f32,
 ) {

@@ -1,196 +1,153 @@
 //! How a round's contributions get into the film.
 //!
-//! Accumulation is exact: each sum is owned by one lane, which adds a run in slot order, and the
-//! additions are those of [compensated sums](super::sum), which leave a compiler nothing to fuse
-//! and no order to vary. The same contributions give the same film, bit for bit, on any processor
-//! that adds like IEEE 754.
+//! Sums do not depend on their order (see [`sums`](super::sums)), so a stream is cut into stretches
+//! of equal length, whosever the slots are: a long run holds up nobody. Who has the whole run of a
+//! pixel adds to its sums as they are; where others may add to the same ones, all do so by atomics.
 
-use super::stream::{FIRST, RunWindow, Runs, counted_of, is_second};
-use super::{Contribution, FilmPixel, PIXEL_WORDS, sum};
-use crate::glam::{UVec4, Vec3};
-use crate::memory::access::{Scatter, at};
+use super::stream::Slot;
+use super::sums::{COMPONENT_WORDS, COUNTS, ComponentSums, NOT_NUMBERS, PIXEL_WORDS, PixelSums};
+use crate::glam::UVec4;
+use crate::math::fixed;
+use crate::math::random::SECOND_HALF;
+use crate::memory::access::{Atomics, at};
 use crate::memory::device_struct;
-use crate::memory::rows::{row, vector};
 
-/// `uvec4`s of one contribution.
-pub(super) const ROWS_PER_CONTRIBUTION: u32 = 2;
-
-/// The contributions of a stream, as whoever adds them up reads them: sixteen bytes at a time, in a
-/// quarter of the loads.
-#[derive(Clone, Copy)]
-pub struct ContributionView<'a> {
-    rows: &'a [UVec4],
-}
-
-impl<'a> ContributionView<'a> {
-    /// Wraps the buffer.
-    pub fn new(rows: &'a [UVec4]) -> Self {
-        Self { rows }
-    }
-
-    /// The contribution of `slot`.
-    #[inline(always)]
-    pub fn get(&self, slot: u32) -> Contribution {
-        let radiance = at(self.rows, slot * ROWS_PER_CONTRIBUTION);
-        let squared = at(self.rows, slot * ROWS_PER_CONTRIBUTION + 1);
-        Contribution {
-            radiance: vector(radiance),
-            rays: radiance.w,
-            squared: vector(squared),
-            zero: squared.w,
-        }
+device_struct! {
+    /// Contributions to be added to a film. 32 bytes.
+    pub struct AccumulateParams {
+        /// Lanes: [`LANES_PER_STRETCH`] for each stretch of the slots.
+        pub threads: u32,
+        /// The first slot.
+        pub first_slot: u32,
+        /// The slot after the last.
+        pub end_slot: u32,
+        /// Rank of the first pixel of the film that is bound.
+        pub first_rank: u32,
+        /// Pixels of it; slots of others are left out.
+        pub pixels: u32,
+        /// The unit of the film is 2 to this power.
+        pub unit_exponent: i32,
+        /// 1: the slots of a pixel follow each other; 0: they come in any order.
+        pub in_runs: u32,
+        /// Unused; zero.
+        pub pad: u32,
     }
 }
 
-/// Lanes that add up the run of a pixel: one takes radiance, the next one its squares.
-pub const LANES_PER_PIXEL: u32 = 2;
-/// `uvec4`s of a [`FilmPixel`].
-const ROWS_PER_PIXEL: u32 = PIXEL_WORDS / 4;
+/// Slots of a stretch.
+pub const STRETCH: u32 = 16;
+/// Lanes that add up a stretch, each a word of every contribution: the components of radiance and
+/// the rays.
+pub const LANES_PER_STRETCH: u32 = 4;
+/// The word of a contribution that has the rays.
+const RAYS: u32 = 3;
 
-/// Kernel: adds to the pixel `lane / 2` of a window its run of contributions, in slot order; even
-/// lanes the radiance and the rays, odd ones the squares.
-///
-/// A run takes as long as its loads, one after the other. Each lane needs half of a contribution,
-/// so that twice as many are under way at once.
-pub fn accumulate_runs(
+/// Kernel: adds a stretch of contributions to the film, of each the word `lane % 4`. `contributions`
+/// are [`Contribution`](super::Contribution)s, `film` has [`PixelSums`].
+pub fn accumulate(
     lane: u32,
-    window: &RunWindow,
-    starts: &[u32],
-    contributions: &[UVec4],
-    film: &mut Scatter<'_, UVec4>,
+    params: &AccumulateParams,
+    slots: &[Slot],
+    contributions: &[u32],
+    film: &mut Atomics<'_>,
 ) {
-    let runs = Runs::new(window, starts);
-    let (pixel, part) = (lane / LANES_PER_PIXEL, lane % LANES_PER_PIXEL);
-    let (start, end) = (runs.start(pixel), runs.start(pixel + 1));
-    if start == end {
-        return;
-    }
-    let mut sums = Sums::load(film, pixel, part, window.half);
-    let run = Run { contributions, part, last: end - 1 };
-    // The next ones are loaded a turn before they are added: a compiler that has them in the same
-    // turn delays each until it is added.
-    let mut now = run.load(start);
-    let mut slot = start;
+    let word = lane % LANES_PER_STRETCH;
+    let first = params.first_slot + lane / LANES_PER_STRETCH * STRETCH;
+    let end = (first + STRETCH).min(params.end_slot);
+    let mut slot = first;
+    let mut next = at(slots, slot);
+    let (mut begins, mut begins_whole) = (true, false);
+    let mut sums = ComponentSums::NOTHING;
     while slot < end {
-        let mut next = now;
-        if slot + TURN < end {
-            next = run.load(slot + TURN);
+        let now = next;
+        let pixel = now.rank.wrapping_sub(params.first_rank);
+        if begins {
+            begins_whole = !params.is_of_run(slots, slot.wrapping_sub(1), now.rank);
+            sums = ComponentSums::NOTHING;
         }
-        let left = end - slot;
-        sums.add(now.0.0, true);
-        sums.add(now.0.1, left > 1);
-        sums.add(now.0.2, left > 2);
-        sums.add(now.0.3, left > 3);
-        sums.add(now.1.0, left > 4);
-        sums.add(now.1.1, left > 5);
-        sums.add(now.1.2, left > 6);
-        sums.add(now.1.3, left > 7);
-        slot += TURN;
-        now = next;
-    }
-    sums.store(film, pixel, part);
-}
-
-/// Contributions that are loaded at once.
-const TURN: u32 = 8;
-type Four = (UVec4, UVec4, UVec4, UVec4);
-
-/// The halves of contributions that a lane adds up.
-#[derive(Clone, Copy)]
-struct Run<'a> {
-    contributions: &'a [UVec4],
-    part: u32,
-    /// The last slot.
-    last: u32,
-}
-
-impl Run<'_> {
-    /// Those of [`TURN`] slots, the last one in the place of all beyond.
-    #[inline(always)]
-    fn load(&self, slot: u32) -> (Four, Four) {
-        let get = |slot: u32| {
-            at(self.contributions, slot.min(self.last) * ROWS_PER_CONTRIBUTION + self.part)
-        };
-        (
-            (get(slot), get(slot + 1), get(slot + 2), get(slot + 3)),
-            (get(slot + 4), get(slot + 5), get(slot + 6), get(slot + 7)),
-        )
-    }
-}
-
-/// What a lane adds up: radiance by half, or squares, which are of the first half.
-struct Sums {
-    first: Vec3,
-    first_low: Vec3,
-    first_samples: u32,
-    second: Vec3,
-    second_low: Vec3,
-    second_samples: u32,
-    /// The last words of what was added: rays with radiance, nothing with squares.
-    words: u32,
-    zero: u32,
-    half: u32,
-    /// Samples that `half` counts.
-    count: u32,
-}
-
-/// Rows of a pixel: sums of the first and second half, and of squares; then what they lack.
-const FIRST_ROW: u32 = 0;
-const SECOND_ROW: u32 = 1;
-const SQUARES_ROW: u32 = 2;
-const LOW_ROWS: u32 = 3;
-
-impl Sums {
-    fn load(film: &Scatter<'_, UVec4>, pixel: u32, part: u32, half: u32) -> Self {
-        let place = pixel * ROWS_PER_PIXEL;
-        let (one, other) =
-            if part == 0 { (FIRST_ROW, SECOND_ROW) } else { (SQUARES_ROW, SQUARES_ROW) };
-        let (first, second) = (film.get(place + one), film.get(place + other));
-        let first_low = film.get(place + LOW_ROWS + one);
-        let second_low = film.get(place + LOW_ROWS + other);
-        // Squares are of no half.
-        let half = if part == 0 { half } else { FIRST };
-        Self {
-            first: vector(first),
-            first_low: vector(first_low),
-            first_samples: first.w,
-            second: vector(second),
-            second_low: vector(second_low),
-            second_samples: second.w,
-            words: first_low.w,
-            zero: second_low.w,
-            half,
-            count: counted_of(half, first.w, second.w),
+        let value = at(contributions, slot * LANES_PER_STRETCH + word);
+        slot += 1;
+        if slot < end {
+            next = at(slots, slot);
         }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, contribution: UVec4, is_there: bool) {
-        if is_there {
-            let value = vector(contribution);
-            if is_second(self.half, self.count) {
-                sum::add(&mut self.second, &mut self.second_low, value, self.zero);
-                self.second_samples += 1;
-            } else {
-                sum::add(&mut self.first, &mut self.first_low, value, self.zero);
-                self.first_samples += 1;
+        begins = slot == end || next.rank != now.rank;
+        if pixel < params.pixels {
+            let is_second = now.sample >= SECOND_HALF;
+            if !add_word(&mut sums, word, value, is_second, params.unit_exponent) {
+                film.add(pixel * PIXEL_WORDS + NOT_NUMBERS, 1);
             }
-            self.words += contribution.w;
-            self.count += 1;
+            if begins {
+                let is_whole = begins_whole && !params.is_of_run(slots, slot, now.rank);
+                store(&sums, pixel, word, is_whole, film);
+            }
         }
     }
+}
 
-    fn store(&self, film: &mut Scatter<'_, UVec4>, pixel: u32, part: u32) {
-        let place = pixel * ROWS_PER_PIXEL;
-        if part == 0 {
-            film.set(place + FIRST_ROW, row(self.first, self.first_samples));
-            film.set(place + SECOND_ROW, row(self.second, self.second_samples));
-            film.set(place + LOW_ROWS + FIRST_ROW, row(self.first_low, self.words));
-            film.set(place + LOW_ROWS + SECOND_ROW, row(self.second_low, self.zero));
-        } else {
-            film.set(place + SQUARES_ROW, row(self.first, 0));
-            film.set(place + LOW_ROWS + SQUARES_ROW, row(self.first_low, self.zero));
-        }
+impl AccumulateParams {
+    /// Whether other lanes may add to the sums of the pixel `rank` since `slot`, before or after
+    /// those of a stretch, may be the pixel's.
+    #[inline(always)]
+    fn is_of_run(&self, slots: &[Slot], slot: u32, rank: u32) -> bool {
+        let is_there = slot >= self.first_slot && slot < self.end_slot;
+        self.in_runs == 0 || is_there && at(slots, slot).rank == rank
+    }
+}
+
+/// Adds a word of a contribution to the sums of a component, or to counts: in the lowest words the
+/// samples of both halves and the rays. Returns whether it was a number.
+#[inline(always)]
+fn add_word(
+    sums: &mut ComponentSums,
+    word: u32,
+    value: u32,
+    is_second: bool,
+    unit_exponent: i32,
+) -> bool {
+    if word == RAYS {
+        sums.first.x += !is_second as u32;
+        sums.second.x += is_second as u32;
+        sums.squares.x = sums.squares.x.wrapping_add(value);
+        true
+    } else {
+        sums.add(f32::from_bits(value), is_second, unit_exponent)
+    }
+}
+
+/// Adds what [`add_word`] has added up to the film, where it is nobody else's if it `is_own`.
+#[inline(always)]
+fn store(sums: &ComponentSums, pixel: u32, word: u32, is_own: bool, film: &mut Atomics<'_>) {
+    let first = pixel * PIXEL_WORDS;
+    let ComponentSums { first: a, second: b, squares: c } = *sums;
+    if word == RAYS {
+        film.add(first + COUNTS, a.x);
+        film.add(first + COUNTS + 1, b.x);
+        film.add(first + COUNTS + 2, c.x);
+    } else {
+        let first = first + word * COMPONENT_WORDS;
+        add(film, first, a, is_own);
+        add(film, first + fixed::WORDS, b, is_own);
+        add(film, first + 2 * fixed::WORDS, c, is_own);
+    }
+}
+
+/// Adds to the sum whose words begin at `first`, which is nobody else's if it `is_own`.
+#[inline(always)]
+fn add(film: &mut Atomics<'_>, first: u32, value: UVec4, is_own: bool) {
+    if !is_own {
+        fixed::add_atomic(film, first, value);
+    } else if value != UVec4::ZERO {
+        let before = UVec4::new(
+            film.get(first),
+            film.get(first + 1),
+            film.get(first + 2),
+            film.get(first + 3),
+        );
+        let sum = fixed::add(before, value);
+        film.set(first, sum.x);
+        film.set(first + 1, sum.y);
+        film.set(first + 2, sum.z);
+        film.set(first + 3, sum.w);
     }
 }
 
@@ -209,12 +166,12 @@ device_struct! {
 }
 
 /// Kernel: the samples of pixel `lane` of a film.
-pub fn copy_counts(lane: u32, _: &CountParams, film: &[FilmPixel], count: &mut u32) {
+pub fn copy_counts(lane: u32, _: &CountParams, film: &[PixelSums], count: &mut u32) {
     *count = at(film, lane).samples();
 }
 
 /// Kernel: the rays of every `threads`-th pixel, from pixel `lane` on.
-pub fn count_rays(lane: u32, params: &CountParams, film: &[FilmPixel], rays: &mut u32) {
+pub fn count_rays(lane: u32, params: &CountParams, film: &[PixelSums], rays: &mut u32) {
     let mut sum = 0_u32;
     let mut pixel = lane;
     while pixel < params.pixels {

@@ -33,6 +33,7 @@
 //! than the guide.
 
 use crate::film::FilmPixel;
+use crate::film::sums::PixelSums;
 use crate::film::tiles::pixel_of_rank;
 use crate::glam::Vec4;
 use crate::math::{is_finite_vector, mean_of_components};
@@ -63,12 +64,12 @@ device_struct! {
         pub lowest: f32,
         /// And with fewer than this many.
         pub end: f32,
+        /// The unit of the film is 2 to this power.
+        pub unit_exponent: i32,
         /// Unused; zero.
         pub pad0: u32,
         /// Unused; zero.
         pub pad1: u32,
-        /// Unused; zero.
-        pub pad2: u32,
     }
 }
 
@@ -80,12 +81,12 @@ device_struct! {
 pub fn control_differences(
     lane: u32,
     params: &ControlParams,
-    film: &[FilmPixel],
+    film: &[PixelSums],
     differences: &mut Scatter<'_, Vec4>,
     counts: &mut Scatter<'_, Vec4>,
 ) {
     let (x, y) = pixel_of_rank(params.first_rank + lane, params.width, params.height);
-    let (place, pixel) = (y * params.width + x, at(film, lane));
+    let (place, pixel) = (y * params.width + x, at(film, lane).to_pixel(params.unit_exponent));
     let samples = pixel.samples() as f32;
     let ratio = samples / pixel.first_samples.max(1) as f32;
     differences.set(place, difference(&pixel));

@@ -3,9 +3,9 @@
 //! The stream of a round is a list of slots, each one path. With [`Runs`] the slots of one pixel
 //! are consecutive (a **run**), and runs follow each other in rank order (see
 //! [`crate::film::tiles`]): neighbours in the stream are neighbours in the picture, and
-//! accumulation is a loop over a pixel's own run.
+//! whoever adds up a pixel's samples mostly has all of them.
 
-use crate::film::FilmPixel;
+use crate::film::sums::PixelSums;
 use crate::math::random::SECOND_HALF;
 use crate::memory::access::{Scatter, at, local, local_mut};
 use crate::memory::device_struct;
@@ -30,18 +30,13 @@ pub const SECOND: u32 = 1;
 pub const BY_TURNS: u32 = 2;
 
 /// Samples that a pixel has of those that `half` counts.
-pub fn counted(half: u32, pixel: &FilmPixel) -> u32 {
-    counted_of(half, pixel.first_samples, pixel.second_samples)
-}
-
-/// The same of a pixel that has so many samples of the first and of the second half.
-pub fn counted_of(half: u32, first: u32, second: u32) -> u32 {
+pub fn counted(half: u32, pixel: &PixelSums) -> u32 {
     if half == FIRST {
-        first
+        pixel.first_samples
     } else if half == SECOND {
-        second
+        pixel.second_samples
     } else {
-        first + second
+        pixel.samples()
     }
 }
 
@@ -75,10 +70,11 @@ device_struct! {
         pub first_slot: u32,
         /// Which half samples are of: [`FIRST`], [`SECOND`] or [`BY_TURNS`].
         pub half: u32,
+        /// Where all runs are of one length: the samples that each pixel has of those that `half`
+        /// counts.
+        pub first_sample: u32,
         /// Unused; zero.
-        pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
+        pub pad: u32,
     }
 }
 
@@ -124,7 +120,7 @@ pub fn fill_runs(
     lane: Lane,
     window: &RunWindow,
     starts: &[u32],
-    film: &[FilmPixel],
+    film: &[PixelSums],
     slots: &mut Scatter<'_, Slot>,
     memory: &mut Memory,
 ) {
@@ -135,7 +131,12 @@ pub fn fill_runs(
         // Beyond the window all runs begin where the last one ends.
         *local_mut(memory, lane.index) = runs.start(pixel.min(window.pixels));
         if pixel < window.pixels {
-            *local_mut(memory, SAMPLES + lane.index) = counted(window.half, &at(film, pixel));
+            let samples = if window.samples > 0 {
+                window.first_sample
+            } else {
+                counted(window.half, &at(film, pixel))
+            };
+            *local_mut(memory, SAMPLES + lane.index) = samples;
         }
         if lane.index == 0 {
             *local_mut(memory, END) = runs.start((first_pixel + LANES).min(window.pixels));

@@ -211,6 +211,6 @@ impl Path {
 
     /// What the path, which has ended, makes of its slot.
     pub fn contribution(&self) -> Contribution {
-        Contribution::of(self.radiance, self.rays)
+        Contribution { radiance: self.radiance, rays: self.rays }
     }
 }

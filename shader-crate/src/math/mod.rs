@@ -1,5 +1,6 @@
 //! The few functions that `glam` and `core` do not have.
 
+pub mod fixed;
 pub mod packed;
 pub mod random;
 pub mod wide;

@@ -176,16 +176,14 @@ impl<'a> Atomics<'a> {
         self.words[index as usize].fetch_add(value, Relaxed)
     }
 
-    /// The word `index`, as it is at some time during the call.
-    pub fn load(&self, index: u32) -> u32 {
+    /// The word `index`, which no other lane of the launch changes.
+    pub fn get(&self, index: u32) -> u32 {
         self.words[index as usize].load(Relaxed)
     }
 
-    /// Replaces a word by `new` if it is `expected`; what was there before.
-    pub fn replace(&mut self, index: u32, expected: u32, new: u32) -> u32 {
-        match self.words[index as usize].compare_exchange(expected, new, Relaxed, Relaxed) {
-            Ok(before) | Err(before) => before,
-        }
+    /// Replaces the word `index`, which no other lane of the launch looks at.
+    pub fn set(&mut self, index: u32, value: u32) {
+        self.words[index as usize].store(value, Relaxed);
     }
 }
 
@@ -197,8 +195,8 @@ pub struct Atomics<'a> {
 
 #[cfg(target_arch = "spirv")]
 mod atomics {
-    use super::{Atomics, at_mut, at_ref};
-    use spirv_std::arch::{atomic_compare_exchange, atomic_i_add, atomic_load};
+    use super::{Atomics, at, at_mut};
+    use spirv_std::arch::atomic_i_add;
     use spirv_std::memory::{Scope, Semantics};
 
     const SCOPE: u32 = Scope::Device as u32;
@@ -215,35 +213,14 @@ mod atomics {
             unsafe { atomic_i_add::<u32, SCOPE, RELAXED>(at_mut(self.words, index), value) }
         }
 
-        /// The word `index`, as it is at some time during the call.
-        pub fn load(&self, index: u32) -> u32 {
-            unsafe { atomic_load::<u32, SCOPE, RELAXED>(at_ref(self.words, index)) }
+        /// The word `index`, which no other lane of the launch changes.
+        pub fn get(&self, index: u32) -> u32 {
+            at(self.words, index)
         }
 
-        /// Replaces a word by `new` if it is `expected`; what was there before.
-        pub fn replace(&mut self, index: u32, expected: u32, new: u32) -> u32 {
-            unsafe {
-                atomic_compare_exchange::<u32, SCOPE, RELAXED, RELAXED>(
-                    at_mut(self.words, index),
-                    new,
-                    expected,
-                )
-            }
-        }
-    }
-}
-
-impl Atomics<'_> {
-    /// Adds to a word that holds an `f32`. Vulkan has no such atomic without extensions: it tries
-    /// until no other lane came between.
-    pub fn add_float(&mut self, index: u32, value: f32) {
-        let mut seen = self.load(index);
-        loop {
-            let before = self.replace(index, seen, (f32::from_bits(seen) + value).to_bits());
-            if before == seen {
-                return;
-            }
-            seen = before;
+        /// Replaces the word `index`, which no other lane of the launch looks at.
+        pub fn set(&mut self, index: u32, value: u32) {
+            *at_mut(self.words, index) = value;
         }
     }
 }

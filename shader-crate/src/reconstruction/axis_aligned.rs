@@ -15,7 +15,7 @@
 use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::{Guide, unpack_normal};
 use crate::estimator::{CONVERGED, ErrorForm, Estimate};
-use crate::film::FilmPixel;
+use crate::film::sums::PixelSums;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::{Vec2, Vec3};
 use crate::memory::access::at;
@@ -194,7 +194,7 @@ pub fn axis_rates(
     lane: u32,
     params: &AxisParams,
     guides: &[Guide],
-    film: &[FilmPixel],
+    film: &[PixelSums],
     estimate: &mut Estimate,
     error: &mut f32,
 ) {

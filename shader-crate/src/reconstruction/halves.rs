@@ -10,10 +10,11 @@
 
 use super::PictureParams;
 use crate::estimator::guide::{Guide, halves_variance, mean_variance};
-use crate::film::FilmPixel;
+use crate::film::sums::PixelSums;
 use crate::glam::{Vec3, Vec4};
 use crate::math::{is_finite, is_finite_vector};
 use crate::memory::access::{Scatter, at};
+use crate::memory::device_struct;
 
 /// The variance, as the last component of a half's mean, where nothing is known of the pixel.
 pub const UNMEASURED: f32 = -1.0;
@@ -23,6 +24,28 @@ pub const UNMEASURED: f32 = -1.0;
 const SMALLEST_RATIO: f32 = 1.0 / 64.0;
 const LARGEST_RATIO: f32 = 2.0;
 
+device_struct! {
+    /// The parameters of [`make_halves`]. 32 bytes.
+    pub struct HalvesParams {
+        /// Pixels of the band.
+        pub threads: u32,
+        /// Rank of the first.
+        pub first_rank: u32,
+        /// Picture width in pixels.
+        pub width: u32,
+        /// Picture height in pixels.
+        pub height: u32,
+        /// The unit of the film is 2 to this power.
+        pub unit_exponent: i32,
+        /// Unused; zero.
+        pub pad0: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// Unused; zero.
+        pub pad2: u32,
+    }
+}
+
 /// Kernel: the halves of the pixel `lane` of a band, each as its mean and the variance of that, the
 /// mean over the components, as if samples were independent; or [`UNMEASURED`]. A pixel that has
 /// samples of one half alone has it twice. `noise`, in rows, gets the variance of the pixel's mean
@@ -30,13 +53,13 @@ const LARGEST_RATIO: f32 = 2.0;
 /// one half.
 pub fn make_halves(
     lane: u32,
-    params: &PictureParams,
-    film: &[FilmPixel],
+    params: &HalvesParams,
+    film: &[PixelSums],
     first: &mut Vec4,
     second: &mut Vec4,
     noise: &mut Scatter<'_, Vec4>,
 ) {
-    let pixel = at(film, lane);
+    let pixel = at(film, lane).to_pixel(params.unit_exponent);
     let nothing = Vec3::ZERO.extend(UNMEASURED);
     (*first, *second) = (nothing, nothing);
     let mut measured = Vec4::ZERO;
@@ -60,7 +83,9 @@ pub fn make_halves(
             }
         }
     }
-    noise.set(params.row_index(params.first_rank + lane), measured);
+    let HalvesParams { threads, first_rank, width, height, .. } = *params;
+    let picture = PictureParams { threads, first_rank, width, height };
+    noise.set(picture.row_index(first_rank + lane), measured);
 }
 
 /// Kernel: scales the variances of the pixel `lane` of the picture by what `noise`, blurred, says

@@ -60,7 +60,7 @@ device_struct! {
         pub first_material: u32,
         /// Row of `surfaces` with the first light.
         pub first_light: u32,
-        /// Largest component of the radiance that lights emit; 0 without lights.
+        /// Largest component of the radiance that lights and the background emit; 0 without any.
         pub brightest: f32,
         /// Row of `geometry` with the numbers of triangles in the scene.
         pub first_order: u32,

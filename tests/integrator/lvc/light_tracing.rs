@@ -11,10 +11,13 @@ use raystream::render::film::splats::SplatFilm;
 use raystream::render::integrator::lvc::gather;
 use raystream::render::{LightCacheSettings, PreparedScene, Renderer, Sampling, Settings};
 use raystream::scene::{FilmSize, Scene, load_named};
-use raystream_shaders::film::splats::{CUT_OFF, FIRST_SPLAT, HEADER_WORDS, ROUNDS, Splat};
+use raystream_shaders::film::splats::{
+    CUT_OFF, FIRST_SPLAT, HEADER_WORDS, PIXEL_WORDS, ROUNDS, Splat,
+};
 use raystream_shaders::integrator::lvc::LvcParams;
 use raystream_shaders::integrator::lvc::cache::{HEADER_ROWS, LightCache};
 use raystream_shaders::integrator::lvc::light_vertex::ROWS_PER_VERTEX;
+use raystream_shaders::math::fixed::unit_exponent;
 use raystream_shaders::math::random::{hash, unit_float};
 use raystream_shaders::parallel::prefix::BlockParams;
 use raystream_shaders::scene::camera::NO_PIXEL;
@@ -42,7 +45,7 @@ fn list(count: u32, seed: u32) -> Vec<UVec4> {
 
 /// The words after each list has been added to the film.
 fn words<E: Executor>(executor: &E, lists: &[&[UVec4]], threads: u32) -> (Vec<u32>, Vec<Vec3>) {
-    let film = SplatFilm::new(executor, SIZE, 1, 1.0).unwrap();
+    let film = SplatFilm::new(executor, SIZE, 1, unit_exponent(1.0)).unwrap();
     for rows in lists {
         let splats = Array::from_slice(executor, "splats", rows).unwrap();
         executor.run(&[film.add(threads, splats.view())]).unwrap();
@@ -85,7 +88,8 @@ fn the_film_is_the_mean_of_its_splats() {
     let expected = DVec3::new(sum, 0.0, 0.5 * sum);
     assert!((picture[2].as_dvec3() - expected).abs().max_element() < 1e-7 * sum);
     assert!(picture.iter().enumerate().all(|(pixel, color)| pixel == 2 || *color == Vec3::ZERO));
-    assert!(words[HEADER_WORDS as usize + 2 * 9 + 2] > 0, "all three words are in use");
+    let first = (HEADER_WORDS + 2 * PIXEL_WORDS) as usize;
+    assert!(words[first..first + 4].iter().all(|&word| word > 0), "all words are in use");
 }
 
 /// The splats of a cache as `executor` finds them.

@@ -1,7 +1,6 @@
 //! Renders that are kept in film files: interrupted, killed, gone on with, in parts, in frames.
 
 use crate::program::{Run, names, program, render, run};
-use raystream::film::Film;
 use raystream::film_file::FilmFile;
 use raystream::image::{LayeredImage, read_color, read_layers};
 use raystream::render::Checkpoint;
@@ -102,12 +101,6 @@ fn a_hundred_kills_change_nothing() {
 fn parts_are_one_render() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let film = |name: &str| -> Film {
-        FilmFile::read(&folder.join(name))
-            .unwrap()
-            .film(&raystream::exec::cpu::CpuExecutor, None)
-            .unwrap()
-    };
     let scene = "opening --size 20x15 --spp 37 -q";
     render(folder, &format!("{scene} --allocator uniform -o w.exr --checkpoint w.film"))
         .succeeded();
@@ -122,16 +115,10 @@ fn parts_are_one_render() {
     run(folder, "merge p1.film some.film p2.film -o all.film").succeeded();
     run(folder, "merge p0.film p1.film p2.film p3.film -o other.film").succeeded();
     assert!(checkpoint(folder, "all.film").radiance == checkpoint(folder, "other.film").radiance);
-    let (whole, merged) = (film("w.film"), film("all.film"));
-    assert_eq!(whole.samples(), merged.samples());
-    let dark = whole.color().iter().map(|c| c.max_element()).fold(0.0, f32::max) * 1e-3;
-    for (whole, merged) in whole.color().iter().zip(merged.color()) {
-        let error = (*whole - merged).abs() / whole.max(glam::Vec3::splat(dark));
-        assert!(error.max_element() < 3e-7, "the same samples: {whole} {merged}");
-    }
+    assert!(checkpoint(folder, "all.film").radiance == checkpoint(folder, "w.film").radiance);
     run(folder, "picture all.film -o all.exr -o all.png").succeeded();
-    let picture = read_color(&folder.join("all.exr")).unwrap();
-    assert_eq!(picture.pixels, merged.color());
+    let picture = |name: &str| read_color(&folder.join(name)).unwrap().pixels;
+    assert_eq!(picture("all.exr"), picture("w.exr"));
     run(folder, "resume all.film --spp 40 -o more.exr").succeeded();
 }
 
@@ -242,7 +229,7 @@ fn damaged_film_files_are_refused() {
     for (bytes, parts) in [
         (changed(bytes.len() - 40, 1), ["checksum is wrong", "cut short"]),
         (changed(30, 0x80), ["is not a valid film file", "cut short"]),
-        (changed(16, 76), ["format 77", "use the version that wrote it"]),
+        (changed(16, 76), ["format 78", "use the version that wrote it"]),
         (bytes[..bytes.len() - 9].to_vec(), ["checksum is wrong", "cut short"]),
         (bytes[..20].to_vec(), ["ends too early", "cut short"]),
         (Vec::new(), ["is not a film file", "name one"]),

@@ -6,7 +6,6 @@ use super::run_table::RunTable;
 use super::{Allocator, RoundBuffers, Stream};
 use crate::exec::{Array, Counter, ExecError, Executor, Launch, kernels};
 use bytemuck::Zeroable;
-use raystream_shaders::allocator::atomic::STRETCH;
 use raystream_shaders::film::stream::RunWindow;
 
 /// Half a sample, in the unit of phases: shares of samples are rounded to the nearest, not at
@@ -78,26 +77,7 @@ impl<E: Executor> Allocator<E> for Atomic<E::Buffer> {
         launches
     }
 
-    fn accumulate<'a>(
-        &'a self,
-        buffers: &RoundBuffers<'a, E::Buffer>,
-        stream: &Stream,
-    ) -> Vec<Launch<'a, E::Buffer>> {
-        let slots = stream.slots as usize;
-        let film = buffers.film;
-        let in_band = film.bands().iter().map(|band| {
-            kernels::accumulate_atomic(
-                &RunWindow {
-                    threads: stream.slots.div_ceil(STRETCH),
-                    first_rank: band.first_rank,
-                    pixels: band.film.len() as u32,
-                    ..RunWindow::zeroed()
-                },
-                buffers.slots.slice(0..slots),
-                buffers.contributions.slice(0..slots).cast(),
-                band.film.view().cast(),
-            )
-        });
-        in_band.collect()
+    fn in_runs(&self) -> bool {
+        false
     }
 }

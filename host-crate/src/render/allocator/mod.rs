@@ -19,17 +19,15 @@ pub use self::uniform::Windows;
 use self::uniform::Uniform;
 use super::film::FilmBuffers;
 use super::settings::sampling::{AllocatorKind, Split};
-use crate::exec::{Array, ExecError, Executor, Launch};
+use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use raystream_shaders::film::Contribution;
+use raystream_shaders::film::accumulate::{AccumulateParams, LANES_PER_STRETCH, STRETCH};
 use raystream_shaders::film::stream::Slot;
 use std::ops::Range;
 
-/// Turns errors into the adaptive part of a sample stream, and that into film. ([`Allocation`],
-/// which is one too, does so with both parts.)
+/// Turns errors into the adaptive part of a sample stream.
 ///
-/// A pixel's sample numbers continue its film's counts without gaps. Samples are added to a pixel
-/// in the order of their numbers, by one thread at a time: then the film does not depend on the
-/// device. (All but [`atomic`] keep to this.)
+/// A pixel's sample numbers continue its film's counts without gaps.
 pub trait Allocator<E: Executor>: Send + Sync {
     /// Launches that fill the adaptive part of `stream`, by the errors and the film's counts.
     fn fill<'a>(
@@ -38,12 +36,10 @@ pub trait Allocator<E: Executor>: Send + Sync {
         stream: &Stream,
     ) -> Vec<Launch<'a, E::Buffer>>;
 
-    /// Launches that add the contributions of that part to the film.
-    fn accumulate<'a>(
-        &'a self,
-        buffers: &RoundBuffers<'a, E::Buffer>,
-        stream: &Stream,
-    ) -> Vec<Launch<'a, E::Buffer>>;
+    /// Whether the slots of a pixel follow each other in that part.
+    fn in_runs(&self) -> bool {
+        true
+    }
 
     /// How many slots of that part were filled, once it has been accumulated.
     fn filled(&self, _executor: &E, stream: &Stream) -> Result<u32, ExecError> {
@@ -60,6 +56,8 @@ pub struct Stream {
     pub pixels: Range<u32>,
     /// Samples of each pixel in the uniform part.
     pub uniform: u32,
+    /// Samples that each pixel has had, of those that the half of the uniform part counts.
+    pub first_sample: u32,
     /// Slots of both parts.
     pub slots: u32,
 }
@@ -125,10 +123,9 @@ impl<E: Executor> Allocation<E> {
     fn adaptive_part(&self, stream: &Stream) -> Option<&dyn Allocator<E>> {
         self.adaptive.as_deref().filter(|_| stream.adaptive_slots() > 0)
     }
-}
 
-impl<E: Executor> Allocator<E> for Allocation<E> {
-    fn fill<'a>(
+    /// Launches that fill a stream.
+    pub fn fill<'a>(
         &'a self,
         buffers: &RoundBuffers<'a, E::Buffer>,
         stream: &Stream,
@@ -140,29 +137,63 @@ impl<E: Executor> Allocator<E> for Allocation<E> {
         launches
     }
 
-    fn accumulate<'a>(
+    /// Launches that add what came of a stream to the film.
+    pub fn accumulate<'a>(
         &'a self,
         buffers: &RoundBuffers<'a, E::Buffer>,
         stream: &Stream,
     ) -> Vec<Launch<'a, E::Buffer>> {
-        let mut launches = self.uniform.accumulate(buffers, stream);
+        let uniform = stream.uniform_slots();
+        let mut launches = accumulated(buffers, stream, 0..uniform, true);
         if let Some(allocator) = self.adaptive_part(stream) {
-            launches.extend(allocator.accumulate(buffers, stream));
+            let slots = uniform..stream.slots;
+            launches.extend(accumulated(buffers, stream, slots, allocator.in_runs()));
         }
         launches
     }
 
-    fn filled(&self, executor: &E, stream: &Stream) -> Result<u32, ExecError> {
+    /// How many slots of a stream were filled, once it has been accumulated.
+    pub fn filled(&self, executor: &E, stream: &Stream) -> Result<u32, ExecError> {
         let adaptive =
             self.adaptive_part(stream).map(|a| a.filled(executor, stream)).transpose()?;
         Ok(stream.uniform_slots() + adaptive.unwrap_or(0))
     }
 }
 
+/// Adds the contributions of a part of a stream to the film.
+fn accumulated<'a, B>(
+    buffers: &RoundBuffers<'a, B>,
+    stream: &Stream,
+    slots: Range<u32>,
+    in_runs: bool,
+) -> Vec<Launch<'a, B>> {
+    let film = buffers.film;
+    let bands = film.bands_of(&stream.pixels).filter(|_| !slots.is_empty());
+    let in_band = bands.map(|(band, _)| {
+        let parameters = AccumulateParams {
+            threads: (slots.len() as u32).div_ceil(STRETCH) * LANES_PER_STRETCH,
+            first_slot: slots.start,
+            end_slot: slots.end,
+            first_rank: band.first_rank,
+            pixels: band.film.len() as u32,
+            unit_exponent: film.unit_exponent(),
+            in_runs: in_runs.into(),
+            pad: 0,
+        };
+        let all = 0..slots.end as usize;
+        let (slots, contributions) = (buffers.slots.slice(all.clone()), buffers.contributions);
+        let contributions = contributions.slice(all).cast();
+        kernels::accumulate(&parameters, slots, contributions, band.film.view().cast())
+    });
+    in_band.collect()
+}
+
 /// The streams of a round that are still to be made.
 #[derive(Clone, Debug)]
 pub struct Streams {
     windows: Windows,
+    /// Samples that each pixel will have had once all windows are done.
+    samples: u32,
     /// The one with an adaptive part, which is the last.
     last: Option<Stream>,
 }
@@ -170,24 +201,33 @@ pub struct Streams {
 impl Streams {
     /// Of a round of `uniform` samples for each pixel and `adaptive` slots beside, in streams of at
     /// most `largest` slots: one, if it fits. Else the uniform part is cut into windows of pixels;
-    /// the adaptive part follows, cut off where it is too long.
-    pub fn new<B>(film: &FilmBuffers<B>, uniform: u32, adaptive: u64, largest: u32) -> Self {
+    /// the adaptive part follows, cut off where it is too long. Each pixel has had `first_sample`
+    /// samples, of those that the half of the uniform part counts.
+    pub fn new<B>(
+        film: &FilmBuffers<B>,
+        uniform: u32,
+        first_sample: u32,
+        adaptive: u64,
+        largest: u32,
+    ) -> Self {
         let pixels = 0..film.pixels();
         let all = u64::from(uniform) * u64::from(film.pixels()) + adaptive;
-        let last = |uniform, slots| Some(Stream { pixels, uniform, slots });
+        let samples = first_sample + uniform;
+        let last = |uniform, slots| Some(Stream { pixels, uniform, first_sample, slots });
         if adaptive == 0 {
-            Self { windows: Windows::new(uniform), last: None }
+            Self { windows: Windows::new(uniform), samples, last: None }
         } else if all <= u64::from(largest) {
-            Self { windows: Windows::new(0), last: last(uniform, all as u32) }
+            Self { windows: Windows::new(0), samples, last: last(uniform, all as u32) }
         } else {
             let slots = adaptive.min(u64::from(largest)) as u32;
-            Self { windows: Windows::new(uniform), last: last(0, slots) }
+            Self { windows: Windows::new(uniform), samples, last: last(0, slots) }
         }
     }
 
-    /// What is left of a round without an adaptive part.
-    pub fn of_rest(rest: Windows) -> Self {
-        Self { windows: rest, last: None }
+    /// What is left of a round without an adaptive part, after which each pixel will have had so
+    /// many samples.
+    pub fn of_rest(rest: Windows, samples: u32) -> Self {
+        Self { windows: rest, samples, last: None }
     }
 
     /// What is left of the windows.
@@ -197,6 +237,13 @@ impl Streams {
 
     /// The next stream; if it is a window, of at most `largest` slots.
     pub fn next<B>(&mut self, film: &FilmBuffers<B>, largest: u32) -> Option<Stream> {
-        self.windows.next(film, largest).or_else(|| self.last.take())
+        self.next_window(film, largest).or_else(|| self.last.take())
+    }
+
+    /// The next stream if it is a window, of at most `largest` slots.
+    pub fn next_window<B>(&mut self, film: &FilmBuffers<B>, largest: u32) -> Option<Stream> {
+        let first_sample = self.samples - self.windows.samples();
+        let window = self.windows.next(film, largest)?;
+        Some(Stream { first_sample, ..window })
     }
 }

@@ -119,30 +119,8 @@ impl<E: Executor> Allocator<E> for Paper<E::Buffer> {
         launches
     }
 
-    fn accumulate<'a>(
-        &'a self,
-        buffers: &RoundBuffers<'a, E::Buffer>,
-        stream: &Stream,
-    ) -> Vec<Launch<'a, E::Buffer>> {
-        let slots = stream.slots as usize;
-        let mut launches = Vec::new();
-        for number in 0..STREAMS {
-            for band in buffers.film.bands() {
-                let parameters = self.parameters(stream, number, self.pixels.min(stream.slots));
-                launches.push(kernels::paper_accumulate(
-                    &PaperParams {
-                        first_rank: band.first_rank,
-                        film_pixels: band.film.len() as u32,
-                        ..parameters
-                    },
-                    self.states.view(),
-                    buffers.slots.slice(0..slots),
-                    buffers.contributions.slice(0..slots).cast(),
-                    band.film.view(),
-                ));
-            }
-        }
-        launches
+    fn in_runs(&self) -> bool {
+        false
     }
 
     fn filled(&self, executor: &E, _: &Stream) -> Result<u32, ExecError> {

@@ -3,7 +3,7 @@
 
 use super::error_scale::ErrorScale;
 use super::run_table::RunTable;
-use super::uniform::{Part, accumulate_runs, fill_runs};
+use super::uniform::{Part, fill_runs};
 use super::{Allocator, RoundBuffers, Stream};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use bytemuck::Zeroable;
@@ -94,13 +94,5 @@ impl<E: Executor> Allocator<E> for Runs<E::Buffer> {
         let starts = |band: &_| self.table.starts_of(band);
         launches.extend(fill_runs(buffers, stream, starts, Part::Adaptive));
         launches
-    }
-
-    fn accumulate<'a>(
-        &'a self,
-        buffers: &RoundBuffers<'a, E::Buffer>,
-        stream: &Stream,
-    ) -> Vec<Launch<'a, E::Buffer>> {
-        accumulate_runs(buffers, stream, |band| self.table.starts_of(band), Part::Adaptive)
     }
 }

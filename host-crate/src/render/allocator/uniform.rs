@@ -5,7 +5,6 @@ use super::{RoundBuffers, Stream};
 use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::render::film::{Band, FilmBuffers, WINDOW_ALIGNMENT};
 use bytemuck::Zeroable;
-use raystream_shaders::film::accumulate::LANES_PER_PIXEL;
 use raystream_shaders::film::stream::RunWindow;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -30,20 +29,7 @@ impl<B> Uniform<B> {
     ) -> Vec<Launch<'a, B>> {
         fill_runs(buffers, stream, |_| self.no_starts.view(), Part::Uniform)
     }
-
-    /// Launches that add the contributions of that part to the film.
-    pub fn accumulate<'a>(
-        &'a self,
-        buffers: &RoundBuffers<'a, B>,
-        stream: &Stream,
-    ) -> Vec<Launch<'a, B>> {
-        accumulate_runs(buffers, stream, |_| self.no_starts.view(), Part::Uniform)
-    }
 }
-
-/// Samples of a pixel in one stream, at most: one lane adds them up, and some drivers end loops of
-/// very many turns.
-const LONGEST_RUN: u32 = 1 << 16;
 
 /// What is left of a uniform round: streams are made of it one by one, each no longer than is
 /// wanted by then. By default nothing.
@@ -81,21 +67,23 @@ impl Windows {
     }
 
     /// The next window of pixels whose slots are at most `largest`; where even the smallest
-    /// window's are more, in a pass of fewer samples. None at the round's end.
+    /// window's are more, in a pass of fewer samples. None at the round's end. Its first sample
+    /// is left open.
     pub fn next<B>(&mut self, film: &FilmBuffers<B>, largest: u32) -> Option<Stream> {
         if self.samples == 0 {
             return None;
         }
         if self.next == 0 {
             let smallest = WINDOW_ALIGNMENT.min(film.pixels());
-            self.pass = self.samples.min((largest / smallest).clamp(1, LONGEST_RUN));
+            self.pass = self.samples.min((largest / smallest).max(1));
         }
         let left = self.next..film.pixels();
         let (band, _) = film.bands_of(&left).next()?;
         let window = band.window(self.next - band.first_rank, largest / self.pass)?;
         let pixels = band.first_rank + window.start..band.first_rank + window.end;
         self.next = pixels.end;
-        let stream = Stream { slots: pixels.len() as u32 * self.pass, uniform: self.pass, pixels };
+        let (uniform, slots) = (self.pass, pixels.len() as u32 * self.pass);
+        let stream = Stream { pixels, uniform, first_sample: 0, slots };
         if self.next == film.pixels() {
             self.samples -= self.pass;
             self.next = 0;
@@ -128,23 +116,6 @@ pub(super) fn fill_runs<'a, B>(
         .collect()
 }
 
-/// Adds the contributions of such a part to the film.
-pub(super) fn accumulate_runs<'a, B>(
-    buffers: &RoundBuffers<'a, B>,
-    stream: &Stream,
-    starts: impl Fn(&Band<B>) -> View<'a, B, u32>,
-    part: Part,
-) -> Vec<Launch<'a, B>> {
-    let contributions = || buffers.contributions.slice(0..stream.slots as usize);
-    windows(buffers, stream, part)
-        .map(|(band, pixels, window)| {
-            let window = RunWindow { threads: LANES_PER_PIXEL * window.pixels, ..window };
-            let film = band.film.slice(pixels).cast();
-            kernels::accumulate_runs(&window, starts(band), contributions().cast(), film)
-        })
-        .collect()
-}
-
 /// The bands that have pixels of a part of a stream, these pixels' places there, and what kernels
 /// with a lane for each are told; none where the part is empty.
 fn windows<'a, B>(
@@ -153,6 +124,7 @@ fn windows<'a, B>(
     part: Part,
 ) -> impl Iterator<Item = (&'a Band<B>, Range<usize>, RunWindow)> {
     let (split, uniform, first_pixel) = (buffers.split, stream.uniform, stream.pixels.start);
+    let stream_first = stream.first_sample;
     let uniform_slots = stream.uniform_slots();
     let is_empty = part == Part::Uniform && uniform == 0;
     let bands = buffers.film.bands_of(&stream.pixels).filter(move |_| !is_empty);
@@ -163,6 +135,7 @@ fn windows<'a, B>(
         let window = match part {
             Part::Uniform => RunWindow {
                 samples: uniform,
+                first_sample: stream_first,
                 first_slot: (first_rank - first_pixel) * uniform,
                 half: split.of_uniform(),
                 ..shared

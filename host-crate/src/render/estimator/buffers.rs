@@ -98,7 +98,8 @@ impl<B> EstimateBuffers<B> {
         let spread = if estimator == Estimator::Halves { HALVES } else { SUM_OF_SQUARES };
         let of_band = |band: &'a Band<B>| {
             let threads = band.film.len() as u32;
-            let parameters = GuideParams { threads, spread, ..GuideParams::zeroed() };
+            let parameters =
+                GuideParams { threads, spread, unit_exponent: film.unit_exponent(), pad: 0 };
             let guides = self.guides.slice(band.ranks());
             kernels::make_guides(&parameters, band.film.view(), band.features.view(), guides)
         };

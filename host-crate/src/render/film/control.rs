@@ -71,7 +71,8 @@ impl<B> ControlFilm<B> {
     /// The launches after which the corrections are those of a film of this size.
     pub fn launches<'a>(&'a self, film: &'a FilmBuffers<B>) -> Vec<Launch<'a, B>> {
         let (differences, counts) = self.differences();
-        let whole = gaussian(self.size, GUIDE_SIGMA, CUT);
+        let unit_exponent = film.unit_exponent();
+        let whole = ControlParams { unit_exponent, ..gaussian(self.size, GUIDE_SIGMA, CUT) };
         let of_band = film.bands().iter().map(|band| {
             let threads = band.film.len() as u32;
             let first_rank = band.first_rank;

@@ -6,10 +6,13 @@ pub mod splats;
 use crate::exec::{Array, ExecError, Executor};
 use crate::film::Film;
 use crate::scene::FilmSize;
-use bytemuck::Zeroable;
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
 use raystream_shaders::film::FilmPixel;
+use raystream_shaders::film::sums::PixelSums;
 use raystream_shaders::film::tiles::{TILE, pixel_of_rank};
 use raystream_shaders::integrator::first_hits::FeaturePixel;
+use raystream_shaders::math::fixed::unit_exponent;
 use std::ops::Range;
 
 /// Windows of the film start at multiples of this: its bytes are then a multiple of any device's
@@ -19,6 +22,7 @@ pub const WINDOW_ALIGNMENT: u32 = TILE * TILE;
 /// The film, in rank order, cut into as many bands as the device's limit on buffers asks for.
 pub struct FilmBuffers<B> {
     size: FilmSize,
+    unit_exponent: i32,
     bands: Vec<Band<B>>,
 }
 
@@ -27,24 +31,29 @@ pub struct Band<B> {
     /// Rank of the first pixel.
     pub first_rank: u32,
     /// Radiance.
-    pub film: Array<B, FilmPixel>,
+    pub film: Array<B, PixelSums>,
     /// First-hit features.
     pub features: Array<B, FeaturePixel>,
 }
 
 impl<B> FilmBuffers<B> {
-    /// A black film.
-    pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
+    /// A black film, whose unit is 2 to the power of `unit_exponent` (see
+    /// [`raystream_shaders::math::fixed`]).
+    pub fn new<E: Executor<Buffer = B>>(
+        executor: &E,
+        size: FilmSize,
+        unit_exponent: i32,
+    ) -> Result<Self, ExecError> {
         let pixels = size.width * size.height;
         debug_assert!(
-            [size_of::<FilmPixel>(), size_of::<FeaturePixel>()].iter().all(|&size| (u64::from(
+            [size_of::<PixelSums>(), size_of::<FeaturePixel>()].iter().all(|&size| (u64::from(
                 WINDOW_ALIGNMENT
             ) * size
                 as u64)
                 .is_multiple_of(executor.limits().alignment)),
             "windows start where a view may"
         );
-        let largest = size_of::<FilmPixel>().max(size_of::<FeaturePixel>()) as u64;
+        let largest = size_of::<PixelSums>().max(size_of::<FeaturePixel>()) as u64;
         let fitting =
             (executor.limits().buffer_bytes / largest).min(u64::from(u32::MAX / 2)) as u32;
         let band_pixels = (fitting / WINDOW_ALIGNMENT * WINDOW_ALIGNMENT).max(WINDOW_ALIGNMENT);
@@ -59,17 +68,20 @@ impl<B> FilmBuffers<B> {
                 })
             })
             .collect::<Result<_, ExecError>>()?;
-        Ok(Self { size, bands })
+        Ok(Self { size, unit_exponent, bands })
     }
 
-    /// A copy of `film`.
+    /// A copy of `film`, but for roundings to a unit that suits it.
     pub fn from_film<E: Executor<Buffer = B>>(
         executor: &E,
         film: &Film,
     ) -> Result<Self, ExecError> {
         let size = FilmSize { width: film.width, height: film.height };
-        let buffers = Self::new(executor, size)?;
-        buffers.write(executor, &film.radiance, &film.features)?;
+        let unit = unit_exponent(brightest(film));
+        let sums: Vec<_> =
+            film.radiance.iter().map(|pixel| PixelSums::of_pixel(pixel, unit)).collect();
+        let buffers = Self::new(executor, size, unit)?;
+        buffers.write(executor, &sums, &film.features)?;
         Ok(buffers)
     }
 
@@ -77,7 +89,7 @@ impl<B> FilmBuffers<B> {
     pub fn write<E: Executor<Buffer = B>>(
         &self,
         executor: &E,
-        radiance: &[FilmPixel],
+        radiance: &[PixelSums],
         features: &[FeaturePixel],
     ) -> Result<(), ExecError> {
         for band in &self.bands {
@@ -93,6 +105,11 @@ impl<B> FilmBuffers<B> {
     /// Its size in pixels.
     pub fn size(&self) -> FilmSize {
         self.size
+    }
+
+    /// The unit of its sums is 2 to this power.
+    pub fn unit_exponent(&self) -> i32 {
+        self.unit_exponent
     }
 
     /// The pieces.
@@ -115,23 +132,93 @@ impl<B> FilmBuffers<B> {
         })
     }
 
-    /// Copies the film to the host, in rows.
+    /// Copies to the host, in rows, what the film comes to.
     pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Film, ExecError> {
         let FilmSize { width, height } = self.size;
-        let pixels = self.pixels() as usize;
-        let mut radiance = vec![FilmPixel::zeroed(); pixels];
-        let mut features = vec![FeaturePixel::zeroed(); pixels];
-        // Band by band, so that little more than the picture itself is in memory at once.
+        let to_pixel = |sums: PixelSums| sums.to_pixel(self.unit_exponent);
+        let radiance = self.read_rows(executor, |band| &band.film, to_pixel)?;
+        Ok(Film::new(width, height, radiance, self.read_features(executor)?))
+    }
+
+    /// Copies the sums to the host, in rows.
+    pub fn read_sums<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+    ) -> Result<Vec<PixelSums>, ExecError> {
+        self.read_rows(executor, |band| &band.film, |sums| sums)
+    }
+
+    /// Copies the sums of a range of ranks to the host.
+    pub fn read_ranks<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        ranks: &Range<u32>,
+    ) -> Result<Vec<PixelSums>, ExecError> {
+        let mut sums = Vec::with_capacity(ranks.len());
+        for (band, places) in self.bands_of(ranks) {
+            let places = places.start as usize..places.end as usize;
+            sums.extend(band.film.read_range(executor, places)?);
+        }
+        Ok(sums)
+    }
+
+    /// Replaces the sums from a rank on.
+    pub fn write_ranks<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        first: u32,
+        sums: &[PixelSums],
+    ) -> Result<(), ExecError> {
+        let mut rest = sums;
+        for (band, places) in self.bands_of(&(first..first + sums.len() as u32)) {
+            let (here, others) = rest.split_at(places.len());
+            band.film.write_from(executor, places.start as usize, here)?;
+            rest = others;
+        }
+        Ok(())
+    }
+
+    /// Adds sums of other samples of the pixels from a rank on.
+    pub fn add_ranks<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+        first: u32,
+        sums: &[PixelSums],
+    ) -> Result<(), ExecError> {
+        let mut all = self.read_ranks(executor, &(first..first + sums.len() as u32))?;
+        all.par_iter_mut().zip(sums).for_each(|(own, other)| own.add_sums(other));
+        self.write_ranks(executor, first, &all)
+    }
+
+    /// Copies the features to the host, in rows.
+    pub fn read_features<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+    ) -> Result<Vec<FeaturePixel>, ExecError> {
+        self.read_rows(executor, |band| &band.features, |features| features)
+    }
+
+    fn read_rows<E: Executor<Buffer = B>, T: Pod, U: Pod>(
+        &self,
+        executor: &E,
+        array: impl Fn(&Band<B>) -> &Array<B, T>,
+        value: impl Fn(T) -> U,
+    ) -> Result<Vec<U>, ExecError> {
+        let mut rows = vec![U::zeroed(); self.pixels() as usize];
+        // Band by band, so that little more than the rows themselves is in memory at once.
         for band in &self.bands {
-            for (rank, pixel) in (band.first_rank..).zip(band.film.read(executor)?) {
-                radiance[row_place(self.size, rank)] = pixel;
-            }
-            for (rank, pixel) in (band.first_rank..).zip(band.features.read(executor)?) {
-                features[row_place(self.size, rank)] = pixel;
+            for (rank, element) in (band.first_rank..).zip(array(band).read(executor)?) {
+                rows[row_place(self.size, rank)] = value(element);
             }
         }
-        Ok(Film::new(width, height, radiance, features))
+        Ok(rows)
     }
+}
+
+/// The largest mean of a pixel that is a number.
+fn brightest(film: &Film) -> f32 {
+    let mean = |pixel: &FilmPixel| (pixel.sum() / pixel.samples().max(1) as f32).max_element();
+    film.radiance.iter().map(mean).filter(|mean| mean.is_finite()).fold(0.0, f32::max)
 }
 
 /// Where the pixel of a rank is in rows.

@@ -4,9 +4,8 @@ use crate::exec::{Array, ExecError, Executor, Launch, View, kernels};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use glam::{DVec3, UVec4, Vec3};
-use raystream_shaders::film::splats::{
-    COMPONENT_WORDS, CUT_OFF, HEADER_WORDS, PIXEL_WORDS, ROUNDS, SplatParams, unit_exponent,
-};
+use raystream_shaders::film::splats::{CUT_OFF, HEADER_WORDS, PIXEL_WORDS, ROUNDS, SplatParams};
+use raystream_shaders::math::fixed;
 
 /// What the film is called in errors.
 const LABEL: &str = "the film of light tracing";
@@ -21,12 +20,12 @@ pub struct SplatFilm<B> {
 
 impl<B> SplatFilm<B> {
     /// A black film for a picture of `size`, to which each round adds the splats of `light_paths`,
-    /// where lights emit at most `brightest`, by component.
+    /// in units of 2 to the power of `unit_exponent`.
     pub fn new<E: Executor<Buffer = B>>(
         executor: &E,
         size: FilmSize,
         light_paths: u32,
-        brightest: f32,
+        unit_exponent: i32,
     ) -> Result<Self, ExecError> {
         let words = u64::from(HEADER_WORDS)
             + u64::from(size.width) * u64::from(size.height) * u64::from(PIXEL_WORDS);
@@ -39,7 +38,7 @@ impl<B> SplatFilm<B> {
         };
         Ok(Self {
             words: Array::zeroed(executor, LABEL, words as usize)?,
-            unit_exponent: unit_exponent(brightest),
+            unit_exponent,
             light_paths,
         })
     }
@@ -84,17 +83,14 @@ impl SplatSums {
         let (header, pixels) = self.words.split_at(HEADER_WORDS as usize);
         if header[CUT_OFF as usize] > 0 {
             let count = header[CUT_OFF as usize];
-            tracing::warn!("light tracing: {count} components were cut off at 2^40 of a lamp's");
+            tracing::warn!("light tracing: {count} components were cut off at 2^43 of a lamp's");
         }
         let paths = f64::from(header[ROUNDS as usize].max(1)) * f64::from(self.light_paths);
         let scale = f64::from(self.unit_exponent).exp2() / paths;
-        let component = |words: &[u32]| {
-            let low = u64::from(words[1]) << 32 | u64::from(words[0]);
-            (f64::from(words[2]) * 64_f64.exp2() + low as f64) * scale
-        };
+        let component = |words: &[u32]| fixed::to_integer(UVec4::from_slice(words)) as f64 * scale;
         let pixel = |words: &[u32]| {
             let [red, green, blue] =
-                [0, 1, 2].map(|c| component(&words[c * COMPONENT_WORDS as usize..]));
+                [0, 1, 2].map(|c| component(&words[c * fixed::WORDS as usize..]));
             DVec3::new(red, green, blue).as_vec3()
         };
         pixels.chunks_exact(PIXEL_WORDS as usize).map(pixel).collect()

@@ -33,6 +33,7 @@ use bytemuck::Zeroable;
 use glam::UVec4;
 use raystream_shaders::integrator::lvc::LvcParams;
 use raystream_shaders::integrator::lvc::cache::{GatherParams, HEADER_ROWS};
+use raystream_shaders::math::fixed::unit_exponent;
 use raystream_shaders::parallel::prefix::BlockParams;
 use std::ops::Range;
 
@@ -89,8 +90,9 @@ impl<B> Lvc<B> {
                  connections"
             );
             let splats = (shares.camera > 0.0).then(|| {
-                let (size, brightest) = (context.settings.size, path.scene.brightest);
-                SplatFilm::new(context.executor, size, light_paths, brightest)
+                let unit_exponent = unit_exponent(path.scene.brightest);
+                let size = context.settings.size;
+                SplatFilm::new(context.executor, size, light_paths, unit_exponent)
             });
             let vertices = vertices_per_path * f64::from(light_paths);
             Ok(Self { vertices, splats: splats.transpose()?, ..lvc })

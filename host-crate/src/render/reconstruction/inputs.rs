@@ -8,6 +8,7 @@ use bytemuck::Zeroable;
 use glam::Vec4;
 use raystream_shaders::estimator::guide::{Guide, GuideParams, SUM_OF_SQUARES};
 use raystream_shaders::reconstruction::PictureParams;
+use raystream_shaders::reconstruction::halves::HalvesParams;
 use raystream_shaders::scene::camera::Camera;
 
 /// Standard deviation, in pixels, of the Gaussian over which variances are compared.
@@ -68,19 +69,26 @@ impl<B> FilterInputs<B> {
 
     /// The launches after which the inputs are those of `film`, which is of their size.
     pub fn launches<'a>(&'a self, film: &'a FilmBuffers<B>) -> Vec<Launch<'a, B>> {
+        let FilmSize { width, height } = self.size;
+        let unit_exponent = film.unit_exponent();
         let mut launches = Vec::new();
         for band in film.bands() {
             let threads = band.film.len() as u32;
-            let parameters =
-                GuideParams { threads, spread: SUM_OF_SQUARES, ..GuideParams::zeroed() };
+            let parameters = GuideParams { threads, spread: SUM_OF_SQUARES, unit_exponent, pad: 0 };
             launches.push(kernels::make_guides(
                 &parameters,
                 band.film.view(),
                 band.features.view(),
                 self.guides.slice(band.ranks()),
             ));
-            let parameters =
-                PictureParams { threads, first_rank: band.first_rank, ..self.parameters() };
+            let parameters = HalvesParams {
+                threads,
+                first_rank: band.first_rank,
+                width,
+                height,
+                unit_exponent,
+                ..HalvesParams::zeroed()
+            };
             launches.push(kernels::make_halves(
                 &parameters,
                 band.film.view(),

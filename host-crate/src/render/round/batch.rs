@@ -13,17 +13,23 @@ const FIRST: u32 = 1 << 14;
 pub struct BatchSize {
     slots: u32,
     capacity: u32,
+    rate: f64,
 }
 
 impl BatchSize {
     /// Batches of at most `capacity` slots.
     pub fn new(capacity: u32) -> Self {
-        Self { slots: FIRST.min(capacity), capacity }
+        Self { slots: FIRST.min(capacity), capacity, rate: 1.0 }
     }
 
     /// Slots of the next batch, at least 1.
     pub fn slots(&self) -> u32 {
         self.slots
+    }
+
+    /// Slots per second, as far as is known.
+    pub fn rate(&self) -> f64 {
+        self.rate
     }
 
     /// Learns from a batch of `slots` that took `elapsed`. Grows at most eightfold at a time, since
@@ -33,6 +39,7 @@ impl BatchSize {
         let next = wanted.min(f64::from(self.slots) * 8.0).max(1.0);
         // A last, small batch says little about large ones.
         if slots >= self.slots / 2 || next < f64::from(self.slots) {
+            self.rate = f64::from(slots) / elapsed.as_secs_f64().max(1e-9);
             self.slots = (next as u32).clamp(1, self.capacity);
         }
     }

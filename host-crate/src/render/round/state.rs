@@ -3,10 +3,13 @@
 use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers, halve_until_it_fits};
 use crate::render::film::{FilmBuffers, WINDOW_ALIGNMENT};
 use crate::render::integrator::first_hits::first_hits;
-use crate::render::integrator::{Integrator, StreamBuffers};
+use crate::render::integrator::{Integrator, IntegratorContext, StreamBuffers};
+use crate::render::scene::PreparedScene;
+use crate::render::settings::Settings;
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::integrator::params::PathParams;
+use raystream_shaders::math::fixed::unit_exponent;
 
 /// Slots of the largest stream: 2^22 contributions are 134 MB, and four million paths fill any GPU.
 pub const MAX_STREAM: u32 = 1 << 22;
@@ -30,6 +33,33 @@ pub struct DeviceState<E: Executor> {
 }
 
 impl<E: Executor> DeviceState<E> {
+    /// Copies the scene to the device, and makes a black film and an integrator: `create` is given
+    /// what that may look at and how many slots its streams have at most.
+    pub fn new<C>(
+        executor: E,
+        scene: &PreparedScene,
+        settings: &Settings,
+        create: C,
+    ) -> Result<Self, ExecError>
+    where
+        C: FnOnce(&IntegratorContext<'_, E>, u32) -> Result<Box<dyn Integrator<E>>, ExecError>,
+    {
+        let scene_buffers = scene.buffers_for(&executor, settings.abilities())?;
+        let parameters = scene.parameters(settings);
+        let unit_exponent = unit_exponent(parameters.scene.brightest);
+        let film = FilmBuffers::new(&executor, settings.size, unit_exponent)?;
+        let (slots, contributions) = allocate_stream(&executor, settings.stream_slots)?;
+        let context = IntegratorContext {
+            executor: &executor,
+            scene: &scene_buffers,
+            parameters: &parameters,
+            settings,
+        };
+        let integrator = create(&context, slots.len() as u32)?;
+        let scene = scene_buffers;
+        Ok(Self { executor, scene, film, parameters, integrator, slots, contributions })
+    }
+
     /// What the integrator works on.
     pub fn stream_buffers(&self) -> StreamBuffers<'_, E::Buffer> {
         StreamBuffers {
@@ -55,7 +85,7 @@ impl<E: Executor> DeviceState<E> {
 /// The sample stream and its contributions: of `wanted` slots or else as large as useful, and as
 /// the device has room for.
 #[expect(clippy::type_complexity, reason = "a pair, taken apart at once")]
-pub fn allocate_stream<E: Executor>(
+fn allocate_stream<E: Executor>(
     executor: &E,
     wanted: Option<u32>,
 ) -> Result<(Array<E::Buffer, Slot>, Array<E::Buffer, Contribution>), ExecError> {

@@ -99,7 +99,8 @@ impl PreparedScene {
         let media = PackedMedia::new(scene, lights.table.len(), &mut tables);
         params.lights = lights.table.len() as u32;
         params.total_importance = lights.total_importance;
-        params.brightest = environment.as_ref().map_or(0.0, |e| e.brightest).max(lights.brightest);
+        let around = environment.as_ref().map_or(0.0, |e| e.brightest);
+        params.brightest = around.max(lights.brightest).max(scene.background.max_element());
         params.environment = environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
             packed.append(&mut texels, lights.environment_chance, ball)
         });

@@ -88,7 +88,7 @@ impl<A: Abilities> EyeTracer<'_, A> {
         while self.extend(&mut path, &numbers, depth) {
             depth += 1;
         }
-        Contribution::of(path.radiance, path.rays)
+        Contribution { radiance: path.radiance, rays: path.rays }
     }
 
     /// Traces segment number `depth` (from 1) and picks the next; false where the path ends.

@@ -216,7 +216,8 @@ pub fn shadow_queue(
         gathered.radiance += arriving.radiance;
     }
     if arriving.fate == ENDS {
-        contributions.set(shadow.slot, Contribution::of(gathered.radiance, gathered.rays));
+        contributions
+            .set(shadow.slot, Contribution { radiance: gathered.radiance, rays: gathered.rays });
     } else if is_visible {
         pool.set_gathered(rows, lane, gathered);
     }

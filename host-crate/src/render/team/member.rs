@@ -1,0 +1,157 @@
+//! A worker in a thread of its own.
+
+use super::Worker;
+use crate::exec::ExecError;
+use crate::render::allocator::Stream;
+use crate::render::round::batch::BatchSize;
+use raystream_shaders::film::Contribution;
+use raystream_shaders::film::stream::Slot;
+use raystream_shaders::film::sums::PixelSums;
+use std::ops::Range;
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// What a worker is told to do. Each task has one answer, in the same order.
+pub(super) enum Task {
+    BeginRound(u32),
+    Sample(Stream),
+    Trace(Vec<Slot>),
+    TakeSums(Range<u32>),
+}
+
+/// What came of it.
+pub(super) enum Answer {
+    Done,
+    Traced(Vec<Contribution>),
+    Sums(Vec<PixelSums>),
+}
+
+/// What comes back of a task: the answer, and how many slots took how long.
+type Result<T> = std::result::Result<T, ExecError>;
+
+/// A worker as the render sees it.
+pub(super) struct Member {
+    pub name: String,
+    pub capacity: u32,
+    pub batch: BatchSize,
+    /// Windows under way and in its film.
+    pub windows: Vec<Stream>,
+    /// The part of the stream that it traces.
+    pub part: Option<Range<u32>>,
+    /// Slots of such parts per second, the way to the worker and back included; 1 before the first.
+    pub rate: f64,
+    /// Tasks without an answer.
+    pub pending: usize,
+    /// Why it is to be left out.
+    pub failed: Option<ExecError>,
+    tasks: Sender<Task>,
+    answers: Receiver<Result<(Answer, u32, Duration)>>,
+}
+
+impl Member {
+    /// Starts its thread, which ends with the member or when the worker fails.
+    pub fn new(mut worker: Box<dyn Worker>) -> Self {
+        let (name, capacity) = (worker.name(), worker.capacity());
+        let (tasks, inbox) = channel();
+        let (outbox, answers) = channel();
+        thread::spawn(move || {
+            for task in inbox {
+                let answer = work(worker.as_mut(), task);
+                let has_failed = answer.is_err();
+                if outbox.send(answer).is_err() || has_failed {
+                    break;
+                }
+            }
+        });
+        let batch = BatchSize::new(capacity);
+        Self {
+            name,
+            capacity,
+            batch,
+            windows: Vec::new(),
+            part: None,
+            rate: 1.0,
+            pending: 0,
+            failed: None,
+            tasks,
+            answers,
+        }
+    }
+
+    /// Gives it a task. That it is gone is said by the answer that does not come.
+    pub fn send(&mut self, task: Task) -> Result<()> {
+        self.pending += 1;
+        self.tasks.send(task).map_err(|_| self.is_gone())
+    }
+
+    /// Receives the answers that are there.
+    pub fn receive_what_is_there(&mut self) -> Result<()> {
+        loop {
+            match self.answers.try_recv() {
+                Ok(answer) => {
+                    self.record(answer?);
+                }
+                Err(TryRecvError::Empty) => return Ok(()),
+                Err(TryRecvError::Disconnected) => return Err(self.is_gone()),
+            }
+        }
+    }
+
+    /// Waits for the answer to the last task.
+    pub fn answer(&mut self) -> Result<Answer> {
+        loop {
+            let answer = self.answers.recv().map_err(|_| self.is_gone())??;
+            let answer = self.record(answer);
+            if self.pending == 0 {
+                return Ok(answer);
+            }
+        }
+    }
+
+    /// Waits for it, and takes sums out of its film.
+    pub fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>> {
+        self.send(Task::TakeSums(ranks))?;
+        match self.answer()? {
+            Answer::Sums(sums) => Ok(sums),
+            _ => Err(self.is_gone()),
+        }
+    }
+
+    /// Waits for what it makes of a part of the stream.
+    pub fn traced(&mut self) -> Result<Vec<Contribution>> {
+        match self.answer()? {
+            Answer::Traced(contributions) => Ok(contributions),
+            _ => Err(self.is_gone()),
+        }
+    }
+
+    fn record(&mut self, (answer, slots, elapsed): (Answer, u32, Duration)) -> Answer {
+        self.pending -= 1;
+        if let Answer::Traced(_) = answer {
+            self.rate = f64::from(slots) / elapsed.as_secs_f64().max(1e-9);
+        } else if slots > 0 {
+            self.batch.record(slots, elapsed);
+        }
+        answer
+    }
+
+    fn is_gone(&self) -> ExecError {
+        ExecError::Worker { name: self.name.clone(), reason: "it has ended".to_owned() }
+    }
+}
+
+/// Does a task.
+fn work(worker: &mut dyn Worker, task: Task) -> Result<(Answer, u32, Duration)> {
+    let start = Instant::now();
+    let (answer, slots) = match task {
+        Task::BeginRound(number) => worker.begin_round(number).map(|()| (Answer::Done, 0))?,
+        Task::Sample(window) => {
+            worker.sample(&window)?;
+            (Answer::Done, window.slots)
+        }
+        Task::Trace(slots) => (Answer::Traced(worker.trace(&slots)?), slots.len() as u32),
+        Task::TakeSums(ranks) => (Answer::Sums(worker.take_sums(ranks)?), 0),
+    };
+    Ok((answer, slots, start.elapsed()))
+}

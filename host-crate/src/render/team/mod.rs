@@ -1,0 +1,285 @@
+//! Several devices that make one render.
+//!
+//! One device, the render's own, has the film, estimates errors and makes streams. **Workers**
+//! trace for it. Sums do not depend on who adds what first (see
+//! [`raystream_shaders::math::fixed`]), so the film is that of one device alone, bit for bit, where
+//! all are of one kind.
+//!
+//! - **Windows** of pixels that get samples alike need nothing but their numbers. A worker fills
+//!   them, traces them and adds them to a film of its own, one after the other, and waits for
+//!   nobody. Its sums are added to the render's film when somebody wants to look at that.
+//! - **Adaptive streams** are made on the render's device. Each worker is sent a part of the slots,
+//!   in proportion to its speed, and sends the contributions back, for the next round's errors are
+//!   those of them all.
+//!
+//! A worker that fails is left out from then on. What it was doing, and what it had not handed over,
+//! the render's own device does again.
+
+mod local;
+mod member;
+
+pub use local::LocalWorker;
+
+use super::allocator::Stream;
+use super::film::WINDOW_ALIGNMENT;
+use crate::exec::ExecError;
+use member::{Member, Task};
+use raystream_shaders::film::Contribution;
+use raystream_shaders::film::stream::Slot;
+use raystream_shaders::film::sums::PixelSums;
+use std::ops::Range;
+
+/// Somebody who traces for a render, on another device or in another process.
+pub trait Worker: Send {
+    /// What to call it.
+    fn name(&self) -> String;
+
+    /// Slots of the longest stream that it can be given.
+    fn capacity(&self) -> u32;
+
+    /// Gets ready for the paths of a round: all until the next round's are of this one.
+    ///
+    /// # Errors
+    /// If it fails; it is not called again after that, in this and in the others.
+    fn begin_round(&mut self, number: u32) -> Result<(), ExecError>;
+
+    /// Traces a window's samples and adds them to its own film.
+    ///
+    /// # Errors
+    /// If it fails.
+    fn sample(&mut self, window: &Stream) -> Result<(), ExecError>;
+
+    /// The contributions of `slots`, one for each.
+    ///
+    /// # Errors
+    /// If it fails.
+    fn trace(&mut self, slots: &[Slot]) -> Result<Vec<Contribution>, ExecError>;
+
+    /// The sums of its own film for a range of ranks, which are zero there from then on.
+    ///
+    /// # Errors
+    /// If it fails.
+    fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError>;
+}
+
+/// The workers of a render.
+#[derive(Default)]
+pub struct Team {
+    members: Vec<Member>,
+    /// Windows of workers that were lost before they handed them over.
+    lost: Vec<Stream>,
+    /// Parts of the stream likewise.
+    lost_parts: Vec<Range<u32>>,
+}
+
+/// Windows that a worker has at once: the next one while it is at one.
+const WINDOWS_AT_ONCE: usize = 2;
+/// Windows that a worker may have in its film and not handed over: what is to be done again if it
+/// is lost.
+const KEPT_WINDOWS: usize = 1 << 12;
+/// Pixels that are handed over at once.
+const PIXELS_AT_ONCE: u32 = 1 << 18;
+
+impl Team {
+    /// Adds a worker.
+    pub fn add(&mut self, worker: Box<dyn Worker>) {
+        self.members.push(Member::new(worker));
+    }
+
+    /// Whether there is nobody.
+    pub fn is_empty(&self) -> bool {
+        self.members.is_empty()
+    }
+
+    /// Slots that all workers together work off in the time of a batch.
+    pub fn batch_slots(&self) -> u32 {
+        self.members.iter().map(|member| member.batch.slots()).fold(0, u32::saturating_add)
+    }
+
+    /// Whether some worker has so much in its film that it should be handed over.
+    pub fn is_full(&self) -> bool {
+        self.members.iter().any(|member| member.windows.len() >= KEPT_WINDOWS)
+    }
+
+    /// Has all workers get ready for a round.
+    pub fn begin_round(&mut self, number: u32) {
+        self.for_each(|member| member.send(Task::BeginRound(number)));
+    }
+
+    /// Gives windows to workers that have time; `next` makes one of at most so many slots. Returns
+    /// how many slots were given.
+    pub fn give(&mut self, mut next: impl FnMut(u32) -> Option<Stream>) -> u32 {
+        let mut slots = 0;
+        self.for_each(|member| {
+            member.receive_what_is_there()?;
+            while member.pending < WINDOWS_AT_ONCE {
+                let Some(window) = next(member.batch.slots().min(member.capacity)) else { break };
+                slots += window.slots;
+                member.windows.push(window.clone());
+                member.send(Task::Sample(window))?;
+            }
+            Ok(())
+        });
+        slots
+    }
+
+    /// Cuts a stream of `slots` into parts in proportion to speeds, in slots per second: that of the
+    /// render's own device, which has the speed `own`, and one for each worker.
+    pub fn cut(&self, slots: u32, own: f64) -> Vec<Range<u32>> {
+        let all = own + self.members.iter().map(|member| member.rate).sum::<f64>();
+        let mut left: f64 = self.members.iter().map(|member| member.rate).sum();
+        let place = |left: f64| (f64::from(slots) * (1.0 - left / all)) as u32;
+        let aligned = |place: u32| place / WINDOW_ALIGNMENT * WINDOW_ALIGNMENT;
+        // The render's own part is never empty.
+        let first = aligned(place(left)).max(WINDOW_ALIGNMENT).min(slots);
+        let mut parts = vec![0..first];
+        for (index, member) in self.members.iter().enumerate() {
+            left -= member.rate;
+            let is_last = index + 1 == self.members.len();
+            let start = parts[index].end;
+            let end = if is_last { slots } else { aligned(place(left)).max(start) };
+            parts.push(start..end);
+        }
+        parts
+    }
+
+    /// Has worker number `index` trace a `part` of the stream, which has these `slots`.
+    pub fn trace(&mut self, index: usize, part: Range<u32>, slots: Vec<Slot>) {
+        if part.is_empty() {
+            return;
+        }
+        let member = &mut self.members[index];
+        member.part = Some(part);
+        if let Err(error) = member.send(Task::Trace(slots)) {
+            member.failed = Some(error);
+        }
+    }
+
+    /// Waits for what workers make of the parts that they were given to [trace](Self::trace); there
+    /// is nothing of those that are lost.
+    pub fn traced(&mut self) -> Vec<(Range<u32>, Option<Vec<Contribution>>)> {
+        let mut traced = Vec::new();
+        self.for_each(|member| {
+            let Some(part) = member.part.clone() else { return Ok(()) };
+            let contributions = member.traced()?;
+            member.part = None;
+            traced.push((part, Some(contributions)));
+            Ok(())
+        });
+        traced.extend(self.lost_parts.drain(..).map(|part| (part, None)));
+        traced
+    }
+
+    /// Waits for all workers and takes over what is in their films: `add` is given a range of ranks
+    /// and its sums. Of those that are lost, [`Self::take_lost`] has what is to be done again.
+    ///
+    /// # Errors
+    /// Those of `add`.
+    pub fn hand_over(
+        &mut self,
+        pixels: u32,
+        mut add: impl FnMut(Range<u32>, &[PixelSums]) -> Result<(), ExecError>,
+    ) -> Result<(), ExecError> {
+        let mut result = Ok(());
+        self.for_each(|member| {
+            if member.windows.is_empty() {
+                return Ok(());
+            }
+            // All of it is here before any of it is added: a worker is lost as a whole or not.
+            let pieces = (0..pixels).step_by(PIXELS_AT_ONCE as usize);
+            let ranges = pieces.map(|start| start..pixels.min(start + PIXELS_AT_ONCE));
+            let sums: Vec<_> = ranges
+                .map(|ranks| Ok((ranks.clone(), member.take_sums(ranks)?)))
+                .collect::<Result<_, ExecError>>()?;
+            for (ranks, sums) in sums {
+                if result.is_ok() {
+                    result = add(ranks, &sums);
+                }
+            }
+            member.windows.clear();
+            Ok(())
+        });
+        result
+    }
+
+    /// Windows that are to be done again.
+    pub fn take_lost(&mut self) -> Vec<Stream> {
+        std::mem::take(&mut self.lost)
+    }
+
+    /// Calls `run` for every worker, and leaves out those that fail or have failed.
+    fn for_each(&mut self, mut run: impl FnMut(&mut Member) -> Result<(), ExecError>) {
+        let Self { members, lost, lost_parts } = self;
+        members.retain_mut(|member| {
+            let result = match member.failed.take() {
+                Some(error) => Err(error),
+                None => run(member),
+            };
+            let Err(error) = result else { return true };
+            tracing::warn!(
+                "{} is lost: {error}. What it had not handed over is done again.",
+                member.name
+            );
+            lost.append(&mut member.windows);
+            lost_parts.extend(member.part.take());
+            false
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A worker that does nothing.
+    struct Idle;
+
+    impl Worker for Idle {
+        fn name(&self) -> String {
+            "idle".to_owned()
+        }
+
+        fn capacity(&self) -> u32 {
+            1 << 22
+        }
+
+        fn begin_round(&mut self, _: u32) -> Result<(), ExecError> {
+            Ok(())
+        }
+
+        fn sample(&mut self, _: &Stream) -> Result<(), ExecError> {
+            Ok(())
+        }
+
+        fn trace(&mut self, slots: &[Slot]) -> Result<Vec<Contribution>, ExecError> {
+            Ok(vec![Contribution::NOTHING; slots.len()])
+        }
+
+        fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError> {
+            Ok(vec![PixelSums::default(); ranks.len()])
+        }
+    }
+
+    #[test]
+    fn streams_are_cut_in_proportion_to_speed() {
+        let mut team = Team::default();
+        for rate in [1e6, 3e6, 2e6] {
+            team.add(Box::new(Idle));
+            team.members.last_mut().expect("it was added").rate = rate;
+        }
+        for (slots, own) in [(8_000_000, 2e6), (1 << 22, 1e3), (1000, 2e6), (1, 1.0), (65, 1e9)] {
+            let parts = team.cut(slots, own);
+            assert_eq!(parts.len(), 4);
+            assert!(parts[0].start == 0 && !parts[0].is_empty() && parts[3].end == slots);
+            for pair in parts.windows(2) {
+                assert_eq!(pair[0].end, pair[1].start, "no gaps: {parts:?}");
+                assert!(pair[1].is_empty() || pair[1].start % WINDOW_ALIGNMENT == 0, "{parts:?}");
+            }
+        }
+        let parts = team.cut(8_000_000, 2e6);
+        let lengths = parts.iter().map(|part| part.len() as i64);
+        for (length, expected) in lengths.zip([2_000_000, 1_000_000, 3_000_000, 2_000_000]) {
+            assert!((length - expected).abs() <= 64, "{parts:?}");
+        }
+    }
+}

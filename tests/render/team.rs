@@ -1,0 +1,188 @@
+//! Renders on several devices.
+
+use raystream::exec::cpu::CpuExecutor;
+use raystream::exec::{Device, ExecError, Executor};
+use raystream::render::allocator::Stream;
+use raystream::render::{
+    AllocatorKind, Budget, Checkpoint, Estimator, FilterKind, IntegratorKind, LocalWorker,
+    PreparedScene, Renderer, Sampling, Settings, Worker, run,
+};
+use raystream::scene::FilmSize;
+use raystream_shaders::film::Contribution;
+use raystream_shaders::film::stream::Slot;
+use raystream_shaders::film::sums::PixelSums;
+use raystream_tests::statistics::assert_same_expectation;
+use raystream_tests::{prepare, scenes, with_gpu};
+use std::ops::Range;
+
+const SAMPLES: u32 = 40;
+
+fn cases() -> Vec<(&'static str, Settings, PreparedScene)> {
+    let mut scene = scenes::room(scenes::glass(1.5), 1.0);
+    scene.film = FilmSize { width: 37, height: 23 };
+    let settings = Settings::for_scene(&scene);
+    let adaptive = |allocator, estimator| {
+        let sampling = Sampling { allocator, estimator, ..settings.sampling };
+        Settings { sampling, ..settings }
+    };
+    let uniform = Settings { sampling: Sampling::UNIFORM, ..settings };
+    // Streams that are shorter than a round.
+    let short = Settings { stream_slots: Some(1 << 12), ..settings };
+    [
+        ("the default", settings),
+        ("uniform", uniform),
+        ("uniform in halves", Settings { denoise: Some(FilterKind::Bilateral), ..uniform }),
+        ("short streams", short),
+        ("short uniform streams", Settings { stream_slots: Some(1 << 12), ..uniform }),
+        ("paper", adaptive(AllocatorKind::Paper, Estimator::Halves)),
+        ("atomic", adaptive(AllocatorKind::Atomic, Estimator::Variance)),
+        ("lvc", Settings { integrator: IntegratorKind::Lvc, ..uniform }),
+        ("lvc, adaptive", Settings { integrator: IntegratorKind::Lvc, ..settings }),
+        ("streaming", Settings { integrator: IntegratorKind::Streaming, ..settings }),
+    ]
+    .into_iter()
+    .map(|(name, settings)| (name, settings, prepare(&scene)))
+    .collect()
+}
+
+/// What a render with these workers comes to.
+fn rendered<E: Executor>(
+    executor: E,
+    (scene, settings): (&PreparedScene, &Settings),
+    workers: Vec<Box<dyn Worker>>,
+) -> Checkpoint {
+    let mut renderer = Renderer::new(executor, scene, settings).unwrap();
+    workers.into_iter().for_each(|worker| renderer.add_worker(worker));
+    let outcome = run(&mut renderer, Budget::samples(SAMPLES), &|| false, &mut |_| ()).unwrap();
+    assert_eq!(outcome.paths, u64::from(SAMPLES * renderer.pixels()));
+    let kept = renderer.checkpoint().unwrap();
+    let film = renderer.film().unwrap();
+    assert_eq!(film.samples().into_iter().map(u64::from).sum::<u64>(), outcome.paths);
+    assert_eq!(film.radiance.iter().map(|p| u64::from(p.rays)).sum::<u64>(), outcome.rays);
+    kept
+}
+
+fn worker<E: Executor + Send + 'static>(
+    executor: E,
+    (scene, settings): (&PreparedScene, &Settings),
+) -> Box<dyn Worker> {
+    Box::new(LocalWorker::new(executor, scene, settings).unwrap())
+}
+
+/// How many rounds there were, and how long batches were, may differ where nothing shows.
+fn assert_same(one: &Checkpoint, other: &Checkpoint, what: &str) {
+    assert!(one.radiance == other.radiance, "{what}: other sums");
+    assert!(one.splats == other.splats, "{what}: other splats");
+    assert_eq!(one.progress.paths, other.progress.paths, "{what}");
+    assert_eq!(one.progress.uniform_samples, other.progress.uniform_samples, "{what}");
+}
+
+#[test]
+fn the_film_is_that_of_one_device() {
+    for (name, settings, scene) in cases() {
+        let job = (&scene, &settings);
+        let alone = rendered(CpuExecutor, job, Vec::new());
+        for count in [1, 3] {
+            let workers = (0..count).map(|_| worker(CpuExecutor, job)).collect();
+            let together = rendered(CpuExecutor, job, workers);
+            assert_same(&together, &alone, &format!("{name}, {count} workers"));
+        }
+    }
+}
+
+/// The same GPU, opened twice.
+#[test]
+fn the_film_of_two_gpus_is_that_of_one() {
+    with_gpu(|gpu| {
+        for (name, settings, scene) in cases() {
+            let job = (&scene, &settings);
+            let alone = rendered(gpu, job, Vec::new());
+            let other = Device::open("gpu").unwrap();
+            let together = rendered(gpu, job, vec![worker(other, job)]);
+            assert_same(&together, &alone, name);
+        }
+    });
+}
+
+/// A worker that fails after a number of calls.
+struct Failing {
+    inner: Box<dyn Worker>,
+    left: u32,
+}
+
+impl Failing {
+    fn count(&mut self) -> Result<(), ExecError> {
+        let name = self.inner.name();
+        let Some(left) = self.left.checked_sub(1) else {
+            return Err(ExecError::Worker { name, reason: "it was to fail".to_owned() });
+        };
+        self.left = left;
+        Ok(())
+    }
+}
+
+impl Worker for Failing {
+    fn name(&self) -> String {
+        self.inner.name()
+    }
+
+    fn capacity(&self) -> u32 {
+        self.inner.capacity()
+    }
+
+    fn begin_round(&mut self, number: u32) -> Result<(), ExecError> {
+        self.count()?;
+        self.inner.begin_round(number)
+    }
+
+    fn sample(&mut self, window: &Stream) -> Result<(), ExecError> {
+        self.count()?;
+        self.inner.sample(window)
+    }
+
+    fn trace(&mut self, slots: &[Slot]) -> Result<Vec<Contribution>, ExecError> {
+        self.count()?;
+        self.inner.trace(slots)
+    }
+
+    fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError> {
+        self.count()?;
+        self.inner.take_sums(ranks)
+    }
+}
+
+/// Whenever a worker is lost, nothing is: what it was to do is done again.
+#[test]
+fn a_lost_worker_loses_nothing() {
+    for (name, settings, scene) in cases() {
+        let job = (&scene, &settings);
+        let alone = rendered(CpuExecutor, job, Vec::new());
+        for left in (0..6).chain([9, 14]) {
+            let failing = Failing { inner: worker(CpuExecutor, job), left };
+            let workers = vec![Box::new(failing) as Box<dyn Worker>, worker(CpuExecutor, job)];
+            let together = rendered(CpuExecutor, job, workers);
+            assert_same(&together, &alone, &format!("{name}, {left} calls before the loss"));
+        }
+    }
+}
+
+/// Devices of two kinds make a picture of the same expectation.
+#[test]
+fn a_gpu_and_the_cpu_render_together() {
+    with_gpu(|gpu| {
+        let (_, settings, scene) = cases().swap_remove(1);
+        let film = |settings: &Settings, has_worker: bool| {
+            let job = (&scene, settings);
+            let mut renderer = Renderer::new(gpu, &scene, settings).unwrap();
+            if has_worker {
+                renderer.add_worker(worker(CpuExecutor, job));
+            }
+            run(&mut renderer, Budget::samples(256), &|| false, &mut |_| ()).unwrap();
+            renderer.film().unwrap()
+        };
+        let alone = film(&settings, false);
+        let together = film(&Settings { seed: 7, ..settings }, true);
+        assert!(together.samples().iter().all(|&samples| samples == 256));
+        assert_same_expectation(&together, &alone, "a GPU and the CPU");
+    });
+}
