@@ -5,7 +5,7 @@ use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Array, Executor, kernels};
 use raystream::scene::{Camera, FilmSize, QuadLight, Scene};
 use raystream_shaders::film::Contribution;
-use raystream_shaders::film::accumulate::{AccumulateParams, LANES_PER_STRETCH, STRETCH};
+use raystream_shaders::film::accumulate::{AccumulateParams, LANES_PER_STRETCH};
 use raystream_shaders::film::stream::{BY_TURNS, Slot, sample_number};
 use raystream_shaders::film::sums::PixelSums;
 use raystream_shaders::math::random::{hash, unit_float};
@@ -26,15 +26,17 @@ fn accumulated<E: Executor>(executor: &E, runs: &[Contribution], times: u32) -> 
     let slots = Array::from_slice(executor, "slots", &slots).unwrap();
     let contributions = Array::from_slice(executor, "contributions", runs).unwrap();
     let film: Array<_, PixelSums> = Array::zeroed(executor, "film", PIXELS as usize).unwrap();
+    // Not the length of runs.
+    let stretch = 48;
     let parameters = AccumulateParams {
-        threads: count.div_ceil(STRETCH) * LANES_PER_STRETCH,
+        threads: count.div_ceil(stretch) * LANES_PER_STRETCH,
         first_slot: 0,
         end_slot: count,
         first_rank: 0,
         pixels: PIXELS,
         unit_exponent: UNIT,
         in_runs: 1,
-        pad: 0,
+        stretch,
     };
     for _ in 0..times {
         let (from, to) = (contributions.view().cast(), film.view().cast());

@@ -88,8 +88,9 @@ impl<B, T: Pod> Array<B, T> {
         range: Range<usize>,
     ) -> Result<Vec<T>, ExecError> {
         let size = size_of::<T>() as u64;
-        let bytes =
-            executor.read(&self.buffer, range.start as u64 * size, range.len() as u64 * size)?;
-        Ok(bytemuck::pod_collect_to_vec(&bytes))
+        let mut elements = vec![T::zeroed(); range.len()];
+        let bytes = bytemuck::cast_slice_mut(&mut elements);
+        executor.read(&self.buffer, range.start as u64 * size, bytes)?;
+        Ok(elements)
     }
 }

@@ -53,9 +53,11 @@ impl Executor for CpuExecutor {
         Ok(())
     }
 
-    fn read(&self, buffer: &CpuBuffer, first_byte: u64, bytes: u64) -> Result<Vec<u8>, ExecError> {
+    fn read(&self, buffer: &CpuBuffer, first_byte: u64, bytes: &mut [u8]) -> Result<(), ExecError> {
         let blocks = buffer.blocks.read().unwrap_or_else(PoisonError::into_inner);
-        Ok(bytemuck::cast_slice(&blocks)[first_byte as usize..][..bytes as usize].to_vec())
+        let from = &bytemuck::cast_slice(&blocks)[first_byte as usize..][..bytes.len()];
+        bytes.copy_from_slice(from);
+        Ok(())
     }
 
     fn run_parts(&self, parts: &[&[Launch<'_, CpuBuffer>]]) -> Result<Vec<Duration>, ExecError> {

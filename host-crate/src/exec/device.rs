@@ -153,8 +153,8 @@ impl Executor for Device {
         &self,
         buffer: &DeviceBuffer,
         first_byte: u64,
-        bytes: u64,
-    ) -> Result<Vec<u8>, ExecError> {
+        bytes: &mut [u8],
+    ) -> Result<(), ExecError> {
         match self {
             Self::Cpu(cpu) => cpu.read(buffer.of_cpu(), first_byte, bytes),
             #[cfg(feature = "gpu")]

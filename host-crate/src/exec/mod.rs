@@ -61,13 +61,13 @@ pub trait Executor {
     /// Copies `bytes` into `buffer` from `first_byte` on; both multiples of 4.
     fn write(&self, buffer: &Self::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError>;
 
-    /// Copies `bytes` bytes from `buffer` from `first_byte` on; both multiples of 4.
+    /// Fills `bytes` from `buffer` from `first_byte` on; both multiples of 4.
     fn read(
         &self,
         buffer: &Self::Buffer,
         first_byte: u64,
-        bytes: u64,
-    ) -> Result<Vec<u8>, ExecError>;
+        bytes: &mut [u8],
+    ) -> Result<(), ExecError>;
 
     /// Runs the launches of all `parts` one after the other, each seeing what those before it
     /// wrote, and waits for them. Returns how long each part took: by the device's own clock where
@@ -113,8 +113,8 @@ impl<E: Executor> Executor for &E {
         &self,
         buffer: &Self::Buffer,
         first_byte: u64,
-        bytes: u64,
-    ) -> Result<Vec<u8>, ExecError> {
+        bytes: &mut [u8],
+    ) -> Result<(), ExecError> {
         (**self).read(buffer, first_byte, bytes)
     }
 

@@ -260,6 +260,18 @@ impl<E: Executor> Renderer<E> {
     /// Rays that all samples so far have traced, shadow rays included.
     pub fn rays(&self) -> Result<u64, ExecError> {
         self.gather()?;
+        self.rays_in_film()
+    }
+
+    /// Rays that a path takes, by those whose samples are in the film; 0 without any. It waits for
+    /// no worker.
+    pub fn rays_per_path(&self) -> Result<f64, ExecError> {
+        let paths = self.done.paths.saturating_sub(self.team().slots_given());
+        let rays = self.rays_in_film()?;
+        Ok(if paths == 0 { 0.0 } else { rays as f64 / paths as f64 })
+    }
+
+    fn rays_in_film(&self) -> Result<u64, ExecError> {
         let executor = &self.state.executor;
         let mut total = 0;
         for band in self.state.film.bands() {

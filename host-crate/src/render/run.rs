@@ -270,7 +270,7 @@ impl Clock {
     /// Counts the rays now and then.
     fn count_rays<E: Executor>(&mut self, renderer: &Renderer<E>) -> Result<(), RenderError> {
         if self.last_count.elapsed() >= RAY_COUNT_INTERVAL || self.rays_per_path == 0.0 {
-            self.rays_per_path = renderer.rays()? as f64 / renderer.paths() as f64;
+            self.rays_per_path = renderer.rays_per_path()?;
             self.last_count = Instant::now();
         }
         Ok(())

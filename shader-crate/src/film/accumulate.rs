@@ -29,13 +29,11 @@ device_struct! {
         pub unit_exponent: i32,
         /// 1: the slots of a pixel follow each other; 0: they come in any order.
         pub in_runs: u32,
-        /// Unused; zero.
-        pub pad: u32,
+        /// Slots of a stretch.
+        pub stretch: u32,
     }
 }
 
-/// Slots of a stretch.
-pub const STRETCH: u32 = 16;
 /// Lanes that add up a stretch, each a word of every contribution: the components of radiance and
 /// the rays.
 pub const LANES_PER_STRETCH: u32 = 4;
@@ -52,8 +50,8 @@ pub fn accumulate(
     film: &mut Atomics<'_>,
 ) {
     let word = lane % LANES_PER_STRETCH;
-    let first = params.first_slot + lane / LANES_PER_STRETCH * STRETCH;
-    let end = (first + STRETCH).min(params.end_slot);
+    let first = params.first_slot + lane / LANES_PER_STRETCH * params.stretch;
+    let end = (first + params.stretch).min(params.end_slot);
     let mut slot = first;
     let mut next = at(slots, slot);
     let (mut begins, mut begins_whole) = (true, false);

@@ -203,7 +203,8 @@ mod tests {
             Contribution { radiance: Vec3::new(number(0), number(1), 0.0), rays: bits & 7 }
         };
         let count = 4096;
-        let add = |sums: &mut PixelSums, k: u32| sums.add(&contribution(k), k % 3 == 0, unit);
+        let add =
+            |sums: &mut PixelSums, k: u32| sums.add(&contribution(k), k.is_multiple_of(3), unit);
         let (mut sums, mut backwards, mut halves) =
             <(PixelSums, PixelSums, [PixelSums; 2])>::default();
         for k in 0..count {
@@ -215,7 +216,7 @@ mod tests {
         one.add_sums(&other);
         assert!(sums == backwards && sums == one);
         let all = 0..count;
-        let of = |is_second: bool| all.clone().filter(move |k| (k % 3 == 0) == is_second);
+        let of = |is_second: bool| all.clone().filter(move |k| (k.is_multiple_of(3)) == is_second);
         let sum = |is_second| of(is_second).map(|k| contribution(k).radiance.as_dvec3()).sum();
         let squares = all.clone().map(|k| contribution(k).radiance.as_dvec3().powf(2.0)).sum();
         let pixel = sums.to_pixel(unit);

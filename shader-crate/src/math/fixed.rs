@@ -17,7 +17,7 @@
 //! cut to between this and 2^27, which is a lower bound for the spread of numbers above 2^12 `E`.
 
 use crate::glam::UVec4;
-use crate::math::wide::{Wide, multiply};
+use crate::math::wide::{Wide, square_of_24_bits};
 use crate::memory::access::Atomics;
 
 /// The unit is this many powers of two below the brightest light's radiance.
@@ -88,7 +88,7 @@ impl Fixed {
 pub fn square(value: f32, unit_exponent: i32) -> UVec4 {
     let float = Float::of(value);
     let shift = 2 * float.exponent - square_unit_exponent(unit_exponent);
-    let product = multiply(float.mantissa, float.mantissa);
+    let product = square_of_24_bits(float.mantissa);
     shifted(product, shift.min(BITS - 2 * MANTISSA_BITS))
 }
 
@@ -296,7 +296,7 @@ mod tests {
             assert_eq!(to_integer(add(words(a), words(b))), a.wrapping_add(b));
             let cells = words(a).to_array().map(core::sync::atomic::AtomicU32::new);
             add_atomic(&mut Atomics::new(&cells), 0, words(b));
-            let sum = UVec4::from_array(cells.map(|cell| cell.into_inner()));
+            let sum = UVec4::from_array(cells.map(core::sync::atomic::AtomicU32::into_inner));
             assert_eq!(to_integer(sum), a.wrapping_add(b), "by atomics");
         }
     }

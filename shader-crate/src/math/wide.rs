@@ -74,6 +74,13 @@ pub fn multiply(a: u32, b: u32) -> Wide {
     Wide { high: a1 * b1 + (middle >> 16) + (cross >> 16), low: a.wrapping_mul(b) }
 }
 
+/// `a * a` of an `a` below 2^24.
+pub fn square_of_24_bits(a: u32) -> Wide {
+    let (high, low) = (a >> 12, a & 0xfff);
+    let upper = high * high + ((2 * high * low + ((low * low) >> 12)) >> 12);
+    Wide { high: upper >> 8, low: a.wrapping_mul(a) }
+}
+
 /// `a * b / c`, rounded down. `c > 0`, and the quotient must fit 32 bits, as it does where `a <=
 /// c`.
 pub fn multiply_divide(a: u32, b: u32, c: u32) -> u32 {
@@ -133,6 +140,14 @@ mod tests {
             if let Ok(expected) = u32::try_from(u64::from(a) * u64::from(b) / u64::from(c)) {
                 assert_eq!(multiply_divide(a, b, c), expected, "{a} * {b} / {c}");
             }
+        }
+    }
+
+    #[test]
+    fn squares_are_those_of_u64() {
+        let numbers = (0..4096).map(|k| hash(k) >> 8).chain([0, 1, 0xfff, 0x1000, 0xff_ffff]);
+        for a in numbers {
+            assert_eq!(number(square_of_24_bits(a)), u64::from(a) * u64::from(a), "{a}");
         }
     }
 

@@ -71,8 +71,8 @@ impl<E: Executor> Executor for Hindered<'_, E> {
         &self,
         buffer: &Self::Buffer,
         first_byte: u64,
-        bytes: u64,
-    ) -> Result<Vec<u8>, ExecError> {
+        bytes: &mut [u8],
+    ) -> Result<(), ExecError> {
         self.inner.read(buffer, first_byte, bytes)
     }
 

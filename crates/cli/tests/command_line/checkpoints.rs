@@ -104,22 +104,50 @@ fn parts_are_one_render() {
     let scene = "opening --size 20x15 --spp 37 -q";
     render(folder, &format!("{scene} --allocator uniform -o w.exr --checkpoint w.film"))
         .succeeded();
-    for part in 0..4 {
+    for part in 0..16 {
         let files = format!("-o p{part}.png --checkpoint p{part}.film");
-        render(folder, &format!("{scene} --allocator uniform --part {part}/4 {files}")).succeeded();
+        let part = format!("--part {part}/16");
+        render(folder, &format!("{scene} --allocator uniform {part} {files}")).succeeded();
     }
+    let parts = |parts: &[u32]| parts.iter().map(|p| format!("p{p}.film ")).collect::<String>();
     run(folder, "merge p3.film p0.film -o some.film")
         .succeeded()
-        .says(&["2 of 4 parts are missing"]);
-    run(folder, "resume some.film --spp 99").failed(&["2 parts of 4", "merge all of them"]);
-    run(folder, "merge p1.film some.film p2.film -o all.film").succeeded();
-    run(folder, "merge p0.film p1.film p2.film p3.film -o other.film").succeeded();
+        .says(&["14 of 16 parts are missing"]);
+    run(folder, "resume some.film --spp 99").failed(&["2 parts of 16", "merge all of them"]);
+    let rest = parts(&[15, 1, 2, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14]);
+    run(folder, &format!("merge {rest} some.film -o all.film")).succeeded();
+    let all: Vec<u32> = (0..16).collect();
+    run(folder, &format!("merge {} -o other.film", parts(&all))).succeeded();
     assert!(checkpoint(folder, "all.film").radiance == checkpoint(folder, "other.film").radiance);
     assert!(checkpoint(folder, "all.film").radiance == checkpoint(folder, "w.film").radiance);
     run(folder, "picture all.film -o all.exr -o all.png").succeeded();
     let picture = |name: &str| read_color(&folder.join(name)).unwrap().pixels;
     assert_eq!(picture("all.exr"), picture("w.exr"));
     run(folder, "resume all.film --spp 40 -o more.exr").succeeded();
+}
+
+/// Several devices make the film of one.
+#[test]
+fn devices_render_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (name, options) in [("u", "--allocator uniform"), ("a", "--denoise")] {
+        for (device, file) in [("cpu", "one"), ("cpu,cpu,CPU", "three")] {
+            let files = format!("-o {name}-{file}.exr --checkpoint {name}-{file}.film");
+            let scene = "opening --size 20x15 --spp 37 -q";
+            run(folder, &format!("render {scene} {options} --device {device} {files}")).succeeded();
+        }
+        let [one, three] = ["one", "three"].map(|file| format!("{name}-{file}"));
+        let film = |name: &str| checkpoint(folder, &format!("{name}.film"));
+        assert!(film(&one).radiance == film(&three).radiance, "{options}");
+        let picture = |name: &str| layers(folder, &format!("{name}.exr"));
+        assert!(picture(&one) == picture(&three), "{options}");
+        // A render of several devices goes on, on one or on several.
+        run(folder, &format!("resume {three}.film --spp 40 -o more.exr")).succeeded();
+    }
+    run(folder, "render opening --device cpu,nothing -o b.png").failed(&["'nothing'", "cpu"]);
+    run(folder, "render opening --device cpu, -o b.png").failed(&["''", "cpu"]);
+    run(folder, "bench paths opening --device cpu,cpu").failed(&["'cpu,cpu'"]);
 }
 
 #[test]

@@ -26,6 +26,8 @@ pub struct GpuExecutor {
     limits: wgpu::Limits,
     /// What times parts of runs, where the device has a clock, and is kept from run to run.
     clock: Option<Mutex<Clock>>,
+    /// What reads go through, kept from read to read.
+    staging: Mutex<Option<wgpu::Buffer>>,
     /// What the driver reported outside of any call that could return it.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -72,6 +74,7 @@ impl GpuExecutor {
             clock: features
                 .contains(wgpu::Features::TIMESTAMP_QUERY)
                 .then(|| Mutex::new(Clock::new(&device, 32))),
+            staging: Mutex::default(),
             failure,
             device,
             queue,
@@ -186,35 +189,42 @@ impl GpuExecutor {
         ExecError::Device { device: self.name.clone(), message }
     }
 
-    /// Copies at most [`TRANSFER_BYTES`] to the host.
+    /// Copies at most [`TRANSFER_BYTES`] to the host, through `staging`.
     fn read_part(
         &self,
         buffer: &wgpu::Buffer,
         first_byte: u64,
-        bytes: u64,
-    ) -> Result<Vec<u8>, ExecError> {
-        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("staging"),
-            size: bytes,
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        staging: &wgpu::Buffer,
+        into: &mut [u8],
+    ) -> Result<(), ExecError> {
+        let bytes = into.len() as u64;
         let mut encoder = self.device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(buffer, first_byte, &staging, 0, bytes);
+        encoder.copy_buffer_to_buffer(buffer, first_byte, staging, 0, bytes);
         self.queue.submit([encoder.finish()]);
-        self.map(&staging, bytes)
+        self.map(staging, into)
     }
 
-    /// Waits for all submitted work, and copies the first `bytes` bytes of a staging buffer.
-    fn map(&self, staging: &wgpu::Buffer, bytes: u64) -> Result<Vec<u8>, ExecError> {
+    /// Waits for all submitted work, and copies the first bytes of a staging buffer.
+    fn map(&self, staging: &wgpu::Buffer, into: &mut [u8]) -> Result<(), ExecError> {
+        let bytes = into.len() as u64;
         staging.map_async(wgpu::MapMode::Read, ..bytes, |_| {});
         self.wait()?;
         let mapped =
             staging.get_mapped_range(..bytes).map_err(|error| self.failed(error.to_string()))?;
-        let copy = mapped.to_vec();
+        into.copy_from_slice(&mapped);
         drop(mapped);
         staging.unmap();
-        Ok(copy)
+        Ok(())
+    }
+
+    /// A buffer of at least `bytes` that the host can read.
+    fn staging(&self, bytes: u64) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("staging"),
+            size: bytes,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
     }
 }
 
@@ -280,18 +290,25 @@ impl Executor for GpuExecutor {
         &self,
         buffer: &wgpu::Buffer,
         first_byte: u64,
-        bytes: u64,
-    ) -> Result<Vec<u8>, ExecError> {
-        let mut copy = Vec::with_capacity(bytes as usize);
-        while (copy.len() as u64) < bytes {
-            let done = copy.len() as u64;
-            copy.extend(self.read_part(
-                buffer,
-                first_byte + done,
-                TRANSFER_BYTES.min(bytes - done),
-            )?);
+        bytes: &mut [u8],
+    ) -> Result<(), ExecError> {
+        if bytes.is_empty() {
+            return Ok(());
         }
-        Ok(copy)
+        let most = TRANSFER_BYTES.min(bytes.len() as u64);
+        let mut kept = self.staging.lock().unwrap_or_else(PoisonError::into_inner);
+        // Memory that the host can read takes long to get.
+        let staging = match kept.take().filter(|staging| staging.size() >= most) {
+            Some(staging) => staging,
+            None => self.staging(most),
+        };
+        let mut at = first_byte;
+        for part in bytes.chunks_mut(TRANSFER_BYTES as usize) {
+            self.read_part(buffer, at, &staging, part)?;
+            at += part.len() as u64;
+        }
+        *kept = Some(staging);
+        Ok(())
     }
 
     fn run_parts(&self, parts: &[&[Launch<'_, wgpu::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
@@ -331,6 +348,8 @@ impl Executor for GpuExecutor {
         // Read back with the same submission: a second one would be a second round trip.
         let (stamps, bytes) = clock.resolve(&mut encoder, count);
         self.queue.submit([encoder.finish()]);
-        Ok(clock::durations(&self.map(stamps, bytes)?, self.queue.get_timestamp_period()))
+        let mut read = vec![0; bytes as usize];
+        self.map(stamps, &mut read)?;
+        Ok(clock::durations(&read, self.queue.get_timestamp_period()))
     }
 }

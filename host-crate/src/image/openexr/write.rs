@@ -108,7 +108,6 @@ pub(super) mod tests {
             second_samples: i - i / 2,
             sum_of_squares: vector(i, 2) * 1e3,
             rays: i,
-            ..FilmPixel::default()
         };
         let features = |i: u32| FeaturePixel {
             albedo: vector(i, 4),

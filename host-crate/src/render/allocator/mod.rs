@@ -21,7 +21,7 @@ use super::film::FilmBuffers;
 use super::settings::sampling::{AllocatorKind, Split};
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use raystream_shaders::film::Contribution;
-use raystream_shaders::film::accumulate::{AccumulateParams, LANES_PER_STRETCH, STRETCH};
+use raystream_shaders::film::accumulate::{AccumulateParams, LANES_PER_STRETCH};
 use raystream_shaders::film::stream::Slot;
 use std::ops::Range;
 
@@ -144,10 +144,13 @@ impl<E: Executor> Allocation<E> {
         stream: &Stream,
     ) -> Vec<Launch<'a, E::Buffer>> {
         let uniform = stream.uniform_slots();
-        let mut launches = accumulated(buffers, stream, 0..uniform, true);
+        // Whole runs, so that nobody waits for atomics.
+        let stretch = stream.uniform.min(LONGEST_STRETCH);
+        let mut launches = accumulated(buffers, stream, 0..uniform, (true, stretch));
         if let Some(allocator) = self.adaptive_part(stream) {
             let slots = uniform..stream.slots;
-            launches.extend(accumulated(buffers, stream, slots, allocator.in_runs()));
+            let order = (allocator.in_runs(), STRETCH);
+            launches.extend(accumulated(buffers, stream, slots, order));
         }
         launches
     }
@@ -160,25 +163,32 @@ impl<E: Executor> Allocation<E> {
     }
 }
 
-/// Adds the contributions of a part of a stream to the film.
+/// Slots that are added up in one go in adaptive parts of streams: more than most runs have, few
+/// enough for all processors of a GPU to have some.
+const STRETCH: u32 = 16;
+/// The same where runs are of one length, which is taken if it is not more than this.
+const LONGEST_STRETCH: u32 = 64;
+
+/// Adds the contributions of a part of a stream to the film, by stretches of so many slots, which are
+/// in runs or not.
 fn accumulated<'a, B>(
     buffers: &RoundBuffers<'a, B>,
     stream: &Stream,
     slots: Range<u32>,
-    in_runs: bool,
+    (in_runs, stretch): (bool, u32),
 ) -> Vec<Launch<'a, B>> {
     let film = buffers.film;
     let bands = film.bands_of(&stream.pixels).filter(|_| !slots.is_empty());
     let in_band = bands.map(|(band, _)| {
         let parameters = AccumulateParams {
-            threads: (slots.len() as u32).div_ceil(STRETCH) * LANES_PER_STRETCH,
+            threads: (slots.len() as u32).div_ceil(stretch) * LANES_PER_STRETCH,
             first_slot: slots.start,
             end_slot: slots.end,
             first_rank: band.first_rank,
             pixels: band.film.len() as u32,
             unit_exponent: film.unit_exponent(),
             in_runs: in_runs.into(),
-            pad: 0,
+            stretch,
         };
         let all = 0..slots.end as usize;
         let (slots, contributions) = (buffers.slots.slice(all.clone()), buffers.contributions);

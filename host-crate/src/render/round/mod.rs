@@ -35,6 +35,8 @@ pub struct Round<'r, E: Executor> {
     next: u32,
     /// Where the part of the stream begins that workers trace, if there is one.
     shared: Option<u32>,
+    /// When the stream was begun.
+    start: Instant,
     /// Whether no batch has been run.
     is_new: bool,
     timings: Timings,
@@ -77,8 +79,8 @@ impl<'r, E: Executor> Round<'r, E> {
         timings: Timings,
     ) -> Self {
         renderer.team().begin_round(plan.number);
-        let (stream, shared) = (None, None);
-        Self { renderer, plan, streams, stream, next: 0, shared, is_new: true, timings }
+        let (stream, shared, start) = (None, None, Instant::now());
+        Self { renderer, plan, streams, stream, next: 0, shared, start, is_new: true, timings }
     }
 
     /// Traces the next batch: slots of one stream, as many as the device works off in about a tenth
@@ -92,7 +94,7 @@ impl<'r, E: Executor> Round<'r, E> {
         }
         let Some(stream) = self.stream.clone() else { return self.end(given) };
         let mut timings = Timings::default();
-        if self.next == 0 && stream.adaptive_slots() > 0 && !self.renderer.team().is_empty() {
+        if self.next == 0 && stream.adaptive_slots() > 0 && self.renderer.team().shares() {
             timings += self.share(&stream)?;
         }
         let own = self.shared.unwrap_or(stream.slots);
@@ -137,6 +139,7 @@ impl<'r, E: Executor> Round<'r, E> {
         let Self { renderer, streams, .. } = self;
         let largest = batch.min(renderer.state.slots.len() as u32);
         self.stream = streams.next(&renderer.state.film, largest);
+        self.start = Instant::now();
         if self.stream.as_ref().is_some_and(|stream| stream.adaptive_slots() > 0) {
             self.renderer.gather()?;
         }
@@ -181,11 +184,12 @@ impl<'r, E: Executor> Round<'r, E> {
         let mut timings = Timings::default();
         let state = &self.renderer.state;
         let executor = &state.executor;
-        if self.shared.take().is_some() {
+        let was_shared = self.shared.take().is_some();
+        if was_shared {
             for (part, contributions) in self.renderer.team().traced() {
                 match contributions {
                     Some(all) => {
-                        state.contributions.write_from(executor, part.start as usize, &all)?
+                        state.contributions.write_from(executor, part.start as usize, &all)?;
                     }
                     None => timings += self.trace(part)?,
                 }
@@ -194,6 +198,10 @@ impl<'r, E: Executor> Round<'r, E> {
             let accumulate = self.renderer.allocation.accumulate(&self.buffers(), stream);
             launches.add(accumulate, Part::Accumulation);
             timings += launches.run(executor)?;
+        }
+        if stream.adaptive_slots() > 0 {
+            let rate = f64::from(stream.slots) / self.start.elapsed().as_secs_f64().max(1e-9);
+            self.renderer.team().record_stream(was_shared, rate);
         }
         let filled = self.renderer.allocation.filled(executor, stream)?;
         self.renderer.done.paths += u64::from(filled);

@@ -1,7 +1,7 @@
 //! A worker on a device of this process.
 
 use super::Worker;
-use crate::exec::{Array, ExecError, Executor, Launch};
+use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::allocator::{Allocation, RoundBuffers, Stream};
 use crate::render::film::WINDOW_ALIGNMENT;
 use crate::render::integrator;
@@ -10,9 +10,10 @@ use crate::render::round::state::DeviceState;
 use crate::render::scene::PreparedScene;
 use crate::render::settings::Settings;
 use crate::render::settings::sampling::{AllocatorKind, Split};
+use bytemuck::Zeroable;
 use raystream_shaders::film::Contribution;
-use raystream_shaders::film::stream::Slot;
-use raystream_shaders::film::sums::PixelSums;
+use raystream_shaders::film::stream::{RunWindow, Slot};
+use raystream_shaders::film::sums::{PIXEL_WORDS, PixelSums};
 use std::ops::Range;
 use std::time::Instant;
 
@@ -97,7 +98,13 @@ where
     fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError> {
         let DeviceState { executor, film, .. } = &self.state;
         let sums = film.read_ranks(executor, &ranks)?;
-        film.write_ranks(executor, ranks.start, &vec![PixelSums::default(); sums.len()])?;
+        let cleared = film.bands_of(&ranks).map(|(band, places)| {
+            let words =
+                RunWindow { threads: places.len() as u32 * PIXEL_WORDS, ..RunWindow::zeroed() };
+            let places = places.start as usize..places.end as usize;
+            kernels::clear_counter(&words, band.film.slice(places).cast())
+        });
+        self.run(&cleared.collect::<Vec<_>>())?;
         Ok(sums)
     }
 }

@@ -98,6 +98,14 @@ impl Member {
         }
     }
 
+    /// Waits until it has done all its tasks.
+    pub fn wait(&mut self) -> Result<()> {
+        if self.pending > 0 {
+            self.answer()?;
+        }
+        Ok(())
+    }
+
     /// Waits for the answer to the last task.
     pub fn answer(&mut self) -> Result<Answer> {
         loop {
@@ -131,6 +139,7 @@ impl Member {
         if let Answer::Traced(_) = answer {
             self.rate = f64::from(slots) / elapsed.as_secs_f64().max(1e-9);
         } else if slots > 0 {
+            tracing::trace!("{}: {slots} slots of a window in {elapsed:.1?}", self.name);
             self.batch.record(slots, elapsed);
         }
         answer

@@ -10,7 +10,8 @@
 //!   nobody. Its sums are added to the render's film when somebody wants to look at that.
 //! - **Adaptive streams** are made on the render's device. Each worker is sent a part of the slots,
 //!   in proportion to its speed, and sends the contributions back, for the next round's errors are
-//!   those of them all.
+//!   those of them all. That is 24 bytes a slot to and fro, which may take longer than to trace it:
+//!   so both ways are measured, and the faster one is taken.
 //!
 //! A worker that fails is left out from then on. What it was doing, and what it had not handed over,
 //! the render's own device does again.
@@ -28,6 +29,7 @@ use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::film::sums::PixelSums;
 use std::ops::Range;
+use std::time::Instant;
 
 /// Somebody who traces for a render, on another device or in another process.
 pub trait Worker: Send {
@@ -70,15 +72,24 @@ pub struct Team {
     lost: Vec<Stream>,
     /// Parts of the stream likewise.
     lost_parts: Vec<Range<u32>>,
+    /// Slots per second of the last adaptive stream that was not shared; 0 before one.
+    alone: f64,
+    /// Slots per second of the fastest one that was shared.
+    shared: f64,
+    /// Adaptive streams that were shared.
+    shared_streams: u32,
 }
 
-/// Windows that a worker has at once: the next one while it is at one.
-const WINDOWS_AT_ONCE: usize = 2;
+/// Windows that a worker has at once: the next ones while it is at one, so that it waits for nobody.
+const WINDOWS_AT_ONCE: usize = 4;
 /// Windows that a worker may have in its film and not handed over: what is to be done again if it
 /// is lost.
 const KEPT_WINDOWS: usize = 1 << 12;
 /// Pixels that are handed over at once.
 const PIXELS_AT_ONCE: u32 = 1 << 18;
+/// Adaptive streams that are shared to find out how fast that is: workers' speeds are those of the
+/// streams before.
+const TRIES: u32 = 4;
 
 impl Team {
     /// Adds a worker.
@@ -94,6 +105,12 @@ impl Team {
     /// Slots that all workers together work off in the time of a batch.
     pub fn batch_slots(&self) -> u32 {
         self.members.iter().map(|member| member.batch.slots()).fold(0, u32::saturating_add)
+    }
+
+    /// Slots of windows that are not handed over.
+    pub fn slots_given(&self) -> u64 {
+        let windows = self.members.iter().flat_map(|member| &member.windows).chain(&self.lost);
+        windows.map(|window| u64::from(window.slots)).sum()
     }
 
     /// Whether some worker has so much in its film that it should be handed over.
@@ -123,6 +140,22 @@ impl Team {
         slots
     }
 
+    /// Whether the next adaptive stream is to be shared.
+    pub fn shares(&self) -> bool {
+        let is_faster = self.shared_streams < TRIES || self.shared > self.alone;
+        !self.is_empty() && self.alone > 0.0 && is_faster
+    }
+
+    /// Learns how many slots per second an adaptive stream went at.
+    pub fn record_stream(&mut self, was_shared: bool, rate: f64) {
+        if was_shared {
+            self.shared = self.shared.max(rate);
+            self.shared_streams += 1;
+        } else {
+            self.alone = rate;
+        }
+    }
+
     /// Cuts a stream of `slots` into parts in proportion to speeds, in slots per second: that of the
     /// render's own device, which has the speed `own`, and one for each worker.
     pub fn cut(&self, slots: u32, own: f64) -> Vec<Range<u32>> {
@@ -132,7 +165,8 @@ impl Team {
         let aligned = |place: u32| place / WINDOW_ALIGNMENT * WINDOW_ALIGNMENT;
         // The render's own part is never empty.
         let first = aligned(place(left)).max(WINDOW_ALIGNMENT).min(slots);
-        let mut parts = vec![0..first];
+        let mut parts = Vec::with_capacity(1 + self.members.len());
+        parts.push(0..first);
         for (index, member) in self.members.iter().enumerate() {
             left -= member.rate;
             let is_last = index + 1 == self.members.len();
@@ -185,17 +219,27 @@ impl Team {
             if member.windows.is_empty() {
                 return Ok(());
             }
+            let start = Instant::now();
+            member.wait()?;
+            let waited = start.elapsed();
             // All of it is here before any of it is added: a worker is lost as a whole or not.
             let pieces = (0..pixels).step_by(PIXELS_AT_ONCE as usize);
             let ranges = pieces.map(|start| start..pixels.min(start + PIXELS_AT_ONCE));
             let sums: Vec<_> = ranges
                 .map(|ranks| Ok((ranks.clone(), member.take_sums(ranks)?)))
                 .collect::<Result<_, ExecError>>()?;
+            let read = start.elapsed();
             for (ranks, sums) in sums {
                 if result.is_ok() {
                     result = add(ranks, &sums);
                 }
             }
+            let (windows, name, all) = (member.windows.len(), &member.name, start.elapsed());
+            tracing::debug!(
+                "{name} handed over {windows} windows: waited {waited:.1?}, read {:.1?}, added {:.1?}",
+                read - waited,
+                all - read
+            );
             member.windows.clear();
             Ok(())
         });
@@ -209,7 +253,7 @@ impl Team {
 
     /// Calls `run` for every worker, and leaves out those that fail or have failed.
     fn for_each(&mut self, mut run: impl FnMut(&mut Member) -> Result<(), ExecError>) {
-        let Self { members, lost, lost_parts } = self;
+        let Self { members, lost, lost_parts, .. } = self;
         members.retain_mut(|member| {
             let result = match member.failed.take() {
                 Some(error) => Err(error),
