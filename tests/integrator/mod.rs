@@ -15,4 +15,5 @@ mod renders;
 mod slots;
 mod techniques;
 mod tracing;
+mod wide_textures;
 mod wrapping;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use raystream::scene::{
     Instancing, Lens, LoadOptions, Material, MaterialId, Mesh, Principled, Projection,
-    PunctualLight, Scene,
+    PunctualLight, Scene, TextureFilter, TextureId,
 };
 use raystream_tests::scene_folder::SceneFolder;
 use serde_json::{Value, json};
@@ -249,6 +249,21 @@ fn without_texture_coordinates_the_means_are_shown() {
     );
 }
 
+#[test]
+fn textures_are_shown_in_whole_texels_where_that_is_asked_for() {
+    let mut scene = whole();
+    let glow = scene.pointer_mut("/materials/glow").unwrap();
+    glow["reflectance"]["filter"] = json!("nearest");
+    glow["textures"]["emission"]["filter"] = json!("nearest");
+    glow["textures"]["roughness"]["filter"] = json!("linear");
+    let scene = load(&scene);
+    let filters: Vec<_> = scene.textures.iter().map(|texture| texture.filter).collect();
+    assert_eq!(filters, [TextureFilter::Nearest, TextureFilter::Linear], "each is read once");
+    let Material::Principled(Principled { maps, .. }) = material(&scene, 3) else { panic!() };
+    let found = [maps.base_colour, maps.emission, maps.roughness.map(|map| map.texture)];
+    assert_eq!(found, [Some(TextureId(0)), Some(TextureId(0)), Some(TextureId(1))]);
+}
+
 /// Puts each value at its place in a scene, and asserts that the error says all its parts.
 fn assert_named(cases: &[(&str, Value, &[&str])]) {
     for (at, value, parts) in cases {
@@ -290,6 +305,11 @@ fn what_is_wrong_with_meshes_and_materials_is_named() {
             "/materials/glow/textures/metallic/channel",
             json!("grey"),
             &["unknown variant `grey`", "`red`"],
+        ),
+        (
+            "/materials/glow/textures/emission/filter",
+            json!("cubic"),
+            &["unknown variant `cubic`", "`nearest`"],
         ),
         ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
     ]);

@@ -5,7 +5,7 @@ use super::loading::LoadArguments;
 use super::output::print_line;
 use clap::Args;
 use raystream::render::{BvhQuality, PreparedScene};
-use raystream::scene::{Material, Mesh, Projection, Scene, Texture, Wrap};
+use raystream::scene::{Material, Mesh, Projection, Scene, Texels, Texture, TextureFilter, Wrap};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -136,6 +136,15 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
             "width": texture.width,
             "height": texture.height,
             "wrap": texture.wrap.map(wrap_name),
+            "bits": match texture.texels {
+                Texels::Bytes(_) => 8,
+                Texels::Shorts(_) => 16,
+                Texels::Floats(_) => 32,
+            },
+            "filter": match texture.filter {
+                TextureFilter::Linear => "linear",
+                TextureFilter::Nearest => "nearest",
+            },
         })
     };
     let environment = scene

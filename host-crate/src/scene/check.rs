@@ -8,7 +8,7 @@ use super::instance::Instance;
 use super::material::{Attenuation, Maps, Material, Opacity, Principled, Reflectance};
 use super::mesh::Mesh;
 use super::metal::Conductor;
-use super::texture::Texture;
+use super::texture::{Texels, Texture, TextureId};
 use glam::{DVec3, Vec3};
 use raystream_shaders::scene::media::MOST_BODIES;
 
@@ -76,11 +76,12 @@ impl Scene {
         let mut texels = self.environment.as_ref().map_or(0, |e| e.texels.len());
         for (index, texture) in self.textures.iter().enumerate() {
             check_texture(texture).map_err(at(&format!("textures[{index}]")))?;
-            texels += texture.texels.len();
+            texels += texture.texels.words();
         }
         if texels > MAX_TEXELS {
-            let what =
-                format!("have {texels} texels together, but a scene has at most {MAX_TEXELS}");
+            let what = format!(
+                "have {texels} texels of 4 bytes together, but a scene has at most {MAX_TEXELS}"
+            );
             return Err(at("textures")(what));
         }
         Ok(())
@@ -120,6 +121,16 @@ impl Scene {
         }
         for map in [material.maps.roughness, material.maps.metallic].into_iter().flatten() {
             in_range("channel", map.channel, 4, "channels")?;
+        }
+        if let Some(TextureId(map)) = material.maps.emission {
+            let brightest = f64::from(self.textures[map as usize].brightest());
+            let most = f64::from(material.emission.max_element()) * brightest;
+            if most > bounds::MAX_RADIANCE {
+                let most_allowed = bounds::MAX_RADIANCE;
+                return Err(format!(
+                    "emission times that of its texture must be at most {most_allowed:e}, is {most:e}"
+                ));
+            }
         }
         if let Some(map) = material.maps.normal {
             named("normal.scale", bounds::scale(map.scale.into()).map(drop))?;
@@ -290,7 +301,7 @@ fn check_body(
 }
 
 fn check_texture(texture: &Texture) -> Result<(), String> {
-    let Texture { width, height, texels, wrap: _ } = texture;
+    let Texture { width, height, texels, wrap: _, filter: _ } = texture;
     if [width, height].iter().any(|side| !(1..=MAX_TEXTURE_SIDE).contains(side)) {
         return Err(format!(
             "width and height must be from 1 to {MAX_TEXTURE_SIDE} texels, are {width} and {height}"
@@ -299,6 +310,11 @@ fn check_texture(texture: &Texture) -> Result<(), String> {
     let wanted = *width as usize * *height as usize;
     if texels.len() != wanted {
         return Err(format!("{width}x{height} texels are {wanted}, not {}", texels.len()));
+    }
+    if let Texels::Floats(texels) = texels {
+        for (index, texel) in texels.iter().enumerate() {
+            radiance(Vec3::from(*texel)).map_err(|what| format!("texels[{index}] {what}"))?;
+        }
     }
     Ok(())
 }
@@ -396,6 +412,10 @@ mod tests {
         Texture::new(width, 1, vec![[0; 4]; texels])
     }
 
+    fn number(texel: [f32; 3]) -> Texture {
+        Texture::of(1, 1, Texels::Floats(vec![texel]))
+    }
+
     /// Paint with something changed.
     fn paint(change: impl Fn(&mut Principled)) -> Material {
         let mut material = Principled::paint(Vec3::ONE, 0.5);
@@ -413,6 +433,10 @@ mod tests {
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.roughness = 1.1)),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.coat = -0.1)),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.sheen.x = 1.1)),
+            ("materials[0]", &|s| {
+                let map = Some(s.add_texture(number([1e7; 3])));
+                s.materials[0] = paint(|m| (m.emission, m.maps.emission) = (Vec3::splat(1e6), map));
+            }),
             ("materials[0]", &|s| {
                 s.materials[0] = Material::Principled(Principled::metal(NAN, 0.1));
             }),
@@ -481,6 +505,8 @@ mod tests {
             ("background", &|s| s.background = Vec3::NEG_X),
             ("textures[0]", &|s| s.textures.push(texture(0, 0))),
             ("textures[0]", &|s| s.textures.push(texture(2, 1))),
+            ("textures[0]", &|s| s.textures.push(number([0.0, -1.0, 0.0]))),
+            ("textures[0]", &|s| s.textures.push(number([f32::NAN; 3]))),
             ("quad_lights[0]", &|s| s.quad_lights[0].v = s.quad_lights[0].u),
             ("quad_lights[0].radiance", &|s| s.quad_lights[0].radiance = NAN),
         ]);

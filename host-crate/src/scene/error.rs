@@ -183,13 +183,13 @@ pub enum SceneError {
         /// What the decoder says.
         source: image::ImageError,
     },
-    /// A texture holds linear (floating-point) values.
-    #[error(
-        "{}: not a usable texture: a reflectance is an sRGB picture of integers; save it as PNG", .path.display()
-    )]
-    LinearTexture {
+    /// A texture is of no use.
+    #[error("{}: not a usable texture: {what}", .path.display())]
+    UnusableTexture {
         /// The picture file.
         path: PathBuf,
+        /// What is wrong.
+        what: String,
     },
     /// An environment is of no use.
     #[error("{}: not a usable environment: {what}", .path.display())]
@@ -206,11 +206,11 @@ pub enum SceneError {
         source: Box<crate::image::ImageError>,
     },
     /// All textures together are too large.
-    #[error("{}: with this texture the scene has more than {limit} texels; use smaller textures", .path.display())]
+    #[error("{}: with this texture the scene has more than {limit} texels of 4 bytes (those of 16 bits a channel have 8, of floats 12); use smaller textures", .path.display())]
     TooManyTexels {
         /// The texture that was one too many.
         path: PathBuf,
-        /// The most texels that a scene may have.
+        /// The most texels of 4 bytes that a scene may have.
         limit: usize,
     },
     /// No scene of that name ships with the program.

@@ -46,6 +46,9 @@ pub const CONDUCTORS: u32 = 1 << 10;
 /// Shapes have [instances](crate::scene::bvh::instance).
 pub const INSTANCES: u32 = 1 << 11;
 
+/// Textures have more than 8 bits a channel, or show whole texels.
+pub const WIDE_TEXTURES: u32 = 1 << 12;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

@@ -108,7 +108,7 @@ impl<'a, A: Abilities> SceneView<'a, A> {
     ) -> Self {
         let places = [params.first_planes, params.first_order, params.first_instance];
         let bvh = BvhView::new(abilities, geometry, places);
-        let textures = TextureView::new(texels);
+        let textures = TextureView::new(texels, abilities);
         Self {
             bvh,
             surfaces: SurfaceView {

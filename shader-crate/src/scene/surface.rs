@@ -37,7 +37,7 @@ pub struct SurfaceView<'a, A> {
     /// How far rays start from surfaces, see [`crate::scene::ray::OFFSET_ROUNDINGS`].
     pub offset_roundings: f32,
     /// The textures.
-    pub textures: TextureView<'a>,
+    pub textures: TextureView<'a, A>,
     /// The bodies that are bounded by them.
     pub media: MediaView<'a>,
     /// What the scene uses.
@@ -222,7 +222,8 @@ impl<'a, F: Abilities> Surface<'a, F> {
             if surfaces.abilities.has(TEXTURES) {
                 let uv = a.uv(hit);
                 if material.texture != NO_TEXTURE {
-                    material.reflectance *= surfaces.textures.sample(material.texture, uv.x, uv.y);
+                    let map = material.texture;
+                    material.reflectance *= surfaces.textures.reflectance(map, uv.x, uv.y);
                 }
                 if is_principled {
                     if surfaces.abilities.has(EMISSION_MAPS) && layers.emission_map != NO_TEXTURE {

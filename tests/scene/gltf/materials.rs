@@ -2,7 +2,9 @@
 
 use super::assert_warns;
 use glam::{Vec2, Vec3};
-use raystream::scene::{Attenuation, Material, Opacity, Principled, Scene, TextureId};
+use raystream::scene::{
+    Attenuation, Material, Opacity, Principled, Scene, Texels, TextureFilter, TextureId,
+};
 use raystream_tests::gltf::{Gltf, png};
 use serde_json::{Value, json};
 
@@ -249,6 +251,17 @@ fn pictures_that_cannot_be_read_leave_plain_colours() {
 }
 
 #[test]
+fn textures_are_shown_in_whole_texels_where_that_is_asked_for() {
+    for (filter, expected) in [(9728, TextureFilter::Nearest), (9729, TextureFilter::Linear)] {
+        let mut gltf =
+            with_material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}));
+        gltf.texture(1, &[WHITE], json!({"magFilter": filter, "minFilter": 9728}));
+        let scene = gltf.scene();
+        assert_eq!(scene.textures[0].filter, expected);
+    }
+}
+
+#[test]
 fn webp_is_read_in_place_of_the_other_picture() {
     let mut gltf =
         with_material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}));
@@ -262,7 +275,7 @@ fn webp_is_read_in_place_of_the_other_picture() {
         json!({"source": other, "extensions": {"EXT_texture_webp": {"source": image}}}),
     );
     let scene = gltf.scene();
-    assert_eq!(scene.textures[0].texels, [[1, 2, 3, 255]]);
+    assert_eq!(scene.textures[0].texels, Texels::Bytes(vec![[1, 2, 3, 255]]));
     assert_eq!(principled(&scene).maps.base_colour, Some(TextureId(0)));
 }
 

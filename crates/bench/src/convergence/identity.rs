@@ -5,7 +5,7 @@ use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
     Attenuation, Camera, Channel, Conductor, Instance, Lens, Maps, Material, Opacity, Principled,
-    Projection, PunctualLight, Reflectance, Scene, TextureId,
+    Projection, PunctualLight, Reflectance, Scene, Texels, TextureFilter, TextureId,
 };
 use sha2::{Digest, Sha256};
 
@@ -86,7 +86,14 @@ fn scene_digest(scene: &Scene) -> String {
     }
     for texture in &scene.textures {
         add(&mut hasher, &[texture.width, texture.height]);
-        add(&mut hasher, &texture.texels);
+        match &texture.texels {
+            Texels::Bytes(texels) => add(&mut hasher, texels),
+            Texels::Shorts(texels) => add(&mut hasher, texels),
+            Texels::Floats(texels) => add(&mut hasher, texels),
+        }
+        if texture.filter != TextureFilter::Linear {
+            hasher.update([1]);
+        }
     }
     if let Some(environment) = &scene.environment {
         add(&mut hasher, &[environment.width, environment.height]);

@@ -23,12 +23,12 @@ use self::media::PackedMedia;
 use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
-use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene};
+use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene, Texture};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::abilities::{
     ALL, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, INSTANCES, MEDIA,
-    PRINCIPLED, PUNCTUAL, TEXTURES,
+    PRINCIPLED, PUNCTUAL, TEXTURES, WIDE_TEXTURES,
 };
 use raystream_shaders::scene::bsdf::layers::Layers;
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
@@ -183,6 +183,7 @@ impl PreparedScene {
 fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
     let has_textures = any(|material| material.textures().next().is_some());
+    let has_wide = has_textures && scene.textures.iter().any(Texture::is_wide);
     let is_principled = any(|material| material.principled().is_some());
     let has_cover = any(|m| m.principled().is_some_and(Principled::has_cover));
     let has_conductors = any(|m| m.principled().is_some_and(|p| p.conductor.is_some()));
@@ -193,6 +194,7 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let is_punctual = |light: &Light| matches!(light.kind, POINT | DIRECTION);
     [
         (has_textures, TEXTURES),
+        (has_wide, WIDE_TEXTURES),
         (has_environment, ENVIRONMENT),
         (is_principled, PRINCIPLED),
         (has_cover, COVER),

@@ -162,7 +162,7 @@ impl<'a> Materials<'a> {
             }
         }
         if let Some(slot) = emission {
-            made.emission *= pictures.get(slot.texture).mean();
+            made.emission *= pictures.get(slot.texture).mean_emission();
         }
         if let Some(slot) = roughness {
             let texture = pictures.get(slot.texture);
@@ -175,6 +175,8 @@ impl<'a> Materials<'a> {
     /// Hands over the textures, and says what is left out of materials.
     pub(super) fn finish(self, scene: &mut Scene) {
         self.sources.summary.finish(scene);
-        scene.textures = self.sources.textures.pictures.textures;
+        let pictures = self.sources.textures.pictures;
+        scene.textures = pictures.textures;
+        scene.warnings.extend(pictures.warnings);
     }
 }

@@ -82,6 +82,7 @@ pub(super) fn load(
         pictures = parts.finish(obj, &mut scene);
     }
     scene.textures = pictures.textures;
+    scene.warnings.extend(pictures.warnings);
     add_quads(path, &file, origin, &mut scene)?;
     add_lights(path, &file, origin, &mut scene)?;
     if let Some(environment) = &file.environment {

@@ -16,7 +16,7 @@ use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::obj::{Obj, Part, Placement};
 use crate::scene::options::{LoadOptions, is_worth_keeping};
 use crate::scene::picture::Pictures;
-use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
+use crate::scene::rule::{MaterialRule, Slot, TextureFile, TexturedRule};
 use crate::scene::source::parent;
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
@@ -263,9 +263,9 @@ impl<'a> Parts<'a> {
         let name = name.to_string();
         let mut material = rule.material;
         let mut textures = Vec::new();
-        for (slot, line, path) in &rule.textures {
+        for TextureFile { slot, line, path, filter } in &rule.textures {
             let file = rule.otherwise.as_ref().map_or(self.names.scene, |o| o.mtl.as_path());
-            match (self.pictures.load(self.names.source, path), &rule.otherwise) {
+            match (self.pictures.load(self.names.source, path, *filter), &rule.otherwise) {
                 (Ok(texture), _) => {
                     let is_colour = *slot == Slot::Colour && !material.has_holes();
                     if is_colour && self.pictures.has_alpha(texture) {

@@ -4,6 +4,7 @@
 use crate::glam::{UVec4, Vec2, Vec3, Vec4};
 use crate::memory::device_struct;
 use crate::memory::rows::{float, vector};
+use crate::scene::abilities::Abilities;
 use crate::scene::texture::{NO_TEXTURE, TextureView};
 
 /// [`Layers::flags`]: what passes does not enter a body.
@@ -133,7 +134,7 @@ impl Layers {
     }
 
     /// The layers at a point, of these texture coordinates.
-    pub fn textured(mut self, textures: &TextureView<'_>, uv: Vec2) -> Self {
+    pub fn textured<A: Abilities>(mut self, textures: &TextureView<'_, A>, uv: Vec2) -> Self {
         if self.roughness_map != NO_TEXTURE {
             let codes = textures.codes(self.roughness_map, uv.x, uv.y);
             self.roughness *= channel(codes, self.channels & 0xff);
@@ -147,7 +148,7 @@ impl Layers {
 
     /// What the map of normals says at a point, of these texture coordinates: its normal in tangent
     /// space, of any length.
-    pub fn slopes(&self, textures: &TextureView<'_>, uv: Vec2) -> Vec3 {
+    pub fn slopes<A: Abilities>(&self, textures: &TextureView<'_, A>, uv: Vec2) -> Vec3 {
         let codes = textures.codes(self.normal_map, uv.x, uv.y);
         let normal = Vec3::new(codes.x, codes.y, codes.z) * 2.0 - Vec3::ONE;
         Vec3::new(normal.x * self.normal_scale, normal.y * self.normal_scale, normal.z)

@@ -12,10 +12,9 @@ use super::values::{
 use crate::scene::material::{Attenuation, Material, Opacity, Principled, Reflectance};
 use crate::scene::metal::{Conductor, Metal};
 use crate::scene::obj::texture_map::TextureMap;
-use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
+use crate::scene::rule::{MaterialRule, Slot, TextureFile, TexturedRule};
 use glam::Vec3;
 use serde::Deserialize;
-use std::path::PathBuf;
 
 /// What a material is, as a scene file says it.
 #[derive(Debug, Deserialize)]
@@ -109,7 +108,7 @@ impl TryFrom<MaterialKeys> for FileMaterial {
 /// A material and the files of its textures.
 struct Made {
     material: Material,
-    textures: Vec<(Slot, PathBuf)>,
+    textures: Vec<TextureFile>,
 }
 
 impl From<Material> for Made {
@@ -125,7 +124,7 @@ impl Made {
             Albedo::Colour(Colour(colour)) => {
                 self.material = self.material.with_reflectance(Reflectance::Colour(colour));
             }
-            Albedo::Texture(path) => self.textures.insert(0, (Slot::Colour, path)),
+            Albedo::Texture(file) => self.textures.insert(0, file),
         }
         self
     }
@@ -135,7 +134,6 @@ impl Made {
         if textures.is_empty() {
             return MaterialRule::Plain(material);
         }
-        let textures = textures.into_iter().map(|(slot, file)| (slot, 0, file)).collect();
         let map = TextureMap::default();
         MaterialRule::Textured(TexturedRule { material, textures, map, otherwise: None })
     }
@@ -195,8 +193,8 @@ impl MaterialKeys {
         self.refuse("a principled", &["transmittance"])?;
         let (attenuation, priority) = (self.attenuation()?, self.priority());
         let textures: Vec<_> =
-            self.textures.map(|Object(textures)| textures.slots().collect()).unwrap_or_default();
-        let has = |wanted: fn(&Slot) -> bool| textures.iter().any(|(slot, _)| wanted(slot));
+            self.textures.map(|Object(textures)| textures.files().collect()).unwrap_or_default();
+        let has = |wanted: fn(&Slot) -> bool| textures.iter().any(|file| wanted(&file.slot));
         let roughness = if has(|slot| matches!(slot, Slot::Roughness(_))) { 1.0 } else { 0.5 };
         let metallic = if has(|slot| matches!(slot, Slot::Metallic(_))) { 1.0 } else { 0.0 };
         let emission = if has(|slot| *slot == Slot::Emission) { Vec3::ONE } else { Vec3::ZERO };

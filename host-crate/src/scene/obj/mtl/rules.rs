@@ -6,10 +6,11 @@ use crate::scene::bounds;
 use crate::scene::error::SceneError;
 use crate::scene::material::{Material, Principled, Reflectance};
 use crate::scene::obj::texture_map::TextureMap;
-use crate::scene::rule::{MaterialRule, Otherwise, Slot, TexturedRule};
+use crate::scene::rule::{self, MaterialRule, Otherwise, Slot, TexturedRule};
 use crate::scene::source::{Found, Source, find_foreign};
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
+use crate::scene::texture::TextureFilter;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -137,7 +138,13 @@ impl Describer<'_> {
             let name = entry.name.to_string();
             summary.note(&entry.path, other.line, Fate::WithoutEffect, &thing, &name);
         }
-        let textures = found.into_iter().map(|(slot, file)| (slot, file.line, file.path)).collect();
+        let file = |(slot, TextureFile { path, line, .. })| rule::TextureFile {
+            slot,
+            line,
+            path,
+            filter: TextureFilter::Linear,
+        };
+        let textures = found.into_iter().map(file).collect();
         let otherwise = Some(otherwise);
         Ok(MaterialRule::Textured(TexturedRule { material, textures, map, otherwise }))
     }
