@@ -311,6 +311,21 @@ fn what_is_wrong_with_meshes_and_materials_is_named() {
             json!("cubic"),
             &["unknown variant `cubic`", "`nearest`"],
         ),
+        (
+            "/materials/glow/textures/bump",
+            json!({"file": "t.png"}),
+            &["materials.glow", "missing field `height`"],
+        ),
+        (
+            "/materials/glow/textures/bump",
+            json!({"file": "t.png", "height": 1e5}),
+            &["height", "must be from -10000"],
+        ),
+        (
+            "/materials/glow/textures/bump",
+            json!({"file": "t.png", "height": 1}),
+            &["materials.glow", "`normal` or `bump`, not both"],
+        ),
         ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
     ]);
 }
@@ -380,6 +395,9 @@ fn keys_of_the_reader(at: &str) -> BTreeSet<String> {
     if at == "/environment/sky" {
         scene["environment"]["sky"] = json!({});
     }
+    if at == "/materials/glow/textures/bump" {
+        scene["materials"]["glow"]["textures"]["bump"] = json!({});
+    }
     // Alone, so that it is the first one that is read.
     *scene.pointer_mut(at).unwrap() = json!({"zzz": 0});
     if at.is_empty() {
@@ -407,6 +425,7 @@ fn the_schema_has_the_keys_of_the_reader() {
         ("/materials/glow/textures", "textures"),
         ("/materials/glow/textures/roughness", "channel_texture"),
         ("/materials/glow/textures/normal", "normal_texture"),
+        ("/materials/glow/textures/bump", "bump_texture"),
         ("/materials/glow/textures/emission", "emission_texture"),
         ("/quads/0", "quad"),
         ("/lights/0", "light"),

@@ -8,7 +8,7 @@ use super::instance::Instance;
 use super::material::{Attenuation, Maps, Material, Opacity, Principled, Reflectance};
 use super::mesh::Mesh;
 use super::metal::Conductor;
-use super::texture::{Texels, Texture, TextureId};
+use super::texture::{Texels, Texture, TextureId, Wrap};
 use glam::{DVec3, Vec3};
 use raystream_shaders::scene::media::MOST_BODIES;
 
@@ -78,6 +78,10 @@ impl Scene {
             check_texture(texture).map_err(at(&format!("textures[{index}]")))?;
             texels += texture.texels.words();
         }
+        // Each becomes a map of normals.
+        let bumps = self.materials.iter().filter_map(|m| m.principled()?.maps.bump);
+        let sizes = bumps.filter_map(|map| self.textures.get(map.texture.0 as usize));
+        texels += sizes.map(|texture| 2 * texture.texels.len()).sum::<usize>();
         if texels > MAX_TEXELS {
             let what = format!(
                 "have {texels} texels of 4 bytes together, but a scene has at most {MAX_TEXELS}"
@@ -134,6 +138,17 @@ impl Scene {
         }
         if let Some(map) = material.maps.normal {
             named("normal.scale", bounds::scale(map.scale.into()).map(drop))?;
+        }
+        if let Some(map) = material.maps.bump {
+            named("bump.height", bounds::scale(map.height.into()).map(drop))?;
+            if material.maps.normal.is_some() {
+                return Err("has maps of normals and of heights; it may have one of them".into());
+            }
+            if self.textures[map.texture.0 as usize].wrap.contains(&Wrap::Mirror) {
+                return Err(
+                    "bump.texture runs back beyond its edges; it may repeat or clamp".into()
+                );
+            }
         }
         named("base_colour", bounds::reflectance(&values(material.base_colour)).map(drop))?;
         let shares = [
@@ -365,9 +380,8 @@ mod tests {
     use crate::scene::camera::Camera;
     use crate::scene::environment::Environment;
     use crate::scene::light::QuadLight;
-    use crate::scene::material::MaterialId;
+    use crate::scene::material::{BumpMap, MaterialId, NormalMap};
     use crate::scene::metal::Metal;
-    use crate::scene::texture::TextureId;
     use glam::Vec2;
 
     /// A triangle under a lamp.
@@ -431,6 +445,21 @@ mod tests {
             ("materials[0]", &|s| s.materials[0] = Material::glass(0.0)),
             ("materials[0]", &|s| s.materials[0] = Material::emissive(NAN)),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.roughness = 1.1)),
+            ("materials[0]", &|s| {
+                let texture = s.add_texture(texture(1, 1));
+                s.materials[0] = paint(|m| m.maps.bump = Some(BumpMap { texture, height: 1e5 }));
+            }),
+            ("materials[0]", &|s| {
+                let texture = s.add_texture(Texture { wrap: [Wrap::Mirror; 2], ..texture(1, 1) });
+                s.materials[0] = paint(|m| m.maps.bump = Some(BumpMap { texture, height: 1.0 }));
+            }),
+            ("materials[0]", &|s| {
+                let texture = s.add_texture(texture(1, 1));
+                s.materials[0] = paint(|m| {
+                    m.maps.bump = Some(BumpMap { texture, height: 1.0 });
+                    m.maps.normal = Some(NormalMap { texture, scale: 1.0 });
+                });
+            }),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.coat = -0.1)),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.sheen.x = 1.1)),
             ("materials[0]", &|s| {

@@ -150,6 +150,8 @@ pub struct Maps {
     pub metallic: Option<Channel>,
     /// Of shading normals.
     pub normal: Option<NormalMap>,
+    /// Of heights, in place of normals.
+    pub bump: Option<BumpMap>,
     /// Of the emission, as sRGB.
     pub emission: Option<TextureId>,
 }
@@ -173,14 +175,30 @@ pub struct NormalMap {
     pub scale: f32,
 }
 
+/// A texture of heights, by which a surface is shaded: the mean of red, green and blue, linear,
+/// where codes stand for 0 to 1. It becomes a map of normals of the same texels, by the differences
+/// of those on both sides. Its texture repeats or clamps.
+///
+/// How steep it is follows from how large the texture lies on the surfaces of the material, in the
+/// mean over their area: where it lies larger it is as steep, and its heights are larger, too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BumpMap {
+    /// The texture.
+    pub texture: TextureId,
+    /// How high above 0 the surface is where the texture is 1, in world units (of a shape that has
+    /// instances, in its own), in [-1e4, 1e4].
+    pub height: f32,
+}
+
 impl Maps {
     /// All textures.
     pub fn textures(&self) -> impl Iterator<Item = TextureId> + use<> {
         let channels = [self.roughness, self.metallic].map(|map| map.map(|map| map.texture));
         let [roughness, metallic] = channels;
         let normal = self.normal.map(|map| map.texture);
+        let bump = self.bump.map(|map| map.texture);
         let colours = [self.base_colour, self.emission];
-        colours.into_iter().chain([roughness, metallic, normal]).flatten()
+        colours.into_iter().chain([roughness, metallic, normal, bump]).flatten()
     }
 }
 
@@ -343,6 +361,11 @@ impl Material {
     /// Whether it may have holes, by the alpha of its texture too.
     pub fn has_holes(&self) -> bool {
         self.principled().is_some_and(|principled| principled.opacity != Opacity::Opaque)
+    }
+
+    /// Whether it has a bump map.
+    pub(crate) fn has_bumps(&self) -> bool {
+        self.principled().is_some_and(|principled| principled.maps.bump.is_some())
     }
 
     /// The same material with another colour of paint or metal; others have none to change.

@@ -89,6 +89,14 @@ impl Pictures {
         &self.textures[texture.0 as usize]
     }
 
+    /// Whether a texture looks like one of normals in tangent space, most of them upright: more blue
+    /// than anything else.
+    pub(super) fn is_of_normals(&self, texture: TextureId) -> bool {
+        const MORE: f32 = 0.2;
+        let [red, green, blue] = [0, 1, 2].map(|channel| self.get(texture).mean_code(channel));
+        blue > red.max(green) + MORE
+    }
+
     /// Whether any texel of a texture is to be seen through.
     pub(super) fn has_alpha(&self, texture: TextureId) -> bool {
         self.get(texture).has_alpha()

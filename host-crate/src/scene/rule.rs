@@ -1,6 +1,6 @@
 //! What a file says that a material is, before its textures are read.
 
-use super::material::{Channel, Material, NormalMap, Principled, Reflectance};
+use super::material::{BumpMap, Channel, Material, NormalMap, Principled, Reflectance};
 use super::obj::texture_map::TextureMap;
 use super::texture::{Texture, TextureFilter, TextureId};
 use glam::Vec3;
@@ -54,6 +54,8 @@ pub(super) enum Slot {
     Metallic(u32),
     /// Shading normals, whose slopes are multiplied by this.
     Normal(f32),
+    /// Heights, and how high 1 is.
+    Bump(f32),
     /// What the emission is multiplied by.
     Emission,
 }
@@ -84,6 +86,7 @@ impl Slot {
                 principled.maps.metallic = Some(Channel { texture, channel });
             }
             Self::Normal(scale) => principled.maps.normal = Some(NormalMap { texture, scale }),
+            Self::Bump(height) => principled.maps.bump = Some(BumpMap { texture, height }),
             Self::Emission => principled.maps.emission = Some(texture),
         }
         Material::Principled(principled)
@@ -105,7 +108,7 @@ impl Slot {
                 let metallic = principled.metallic * texture.mean_code(channel as usize);
                 Principled { metallic, ..principled }
             }
-            Self::Normal(_) => principled,
+            Self::Normal(_) | Self::Bump(_) => principled,
             Self::Emission => {
                 let emission = principled.emission * texture.mean_emission();
                 Principled { emission, ..principled }

@@ -4,8 +4,8 @@ use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
-    Attenuation, Camera, Channel, Conductor, Instance, Lens, Maps, Material, Opacity, Principled,
-    Projection, PunctualLight, Reflectance, Scene, Texels, TextureFilter, TextureId,
+    Attenuation, BumpMap, Camera, Channel, Conductor, Instance, Lens, Maps, Material, Opacity,
+    Principled, Projection, PunctualLight, Reflectance, Scene, Texels, TextureFilter, TextureId,
 };
 use sha2::{Digest, Sha256};
 
@@ -239,6 +239,10 @@ fn add_maps(hasher: &mut Sha256, maps: &Maps) {
     add(hasher, &[maps.normal.map_or(1.0, |map| map.scale)]);
     if let Some(emission) = maps.emission {
         add(hasher, &[emission.0]);
+    }
+    if let Some(BumpMap { texture, height }) = maps.bump {
+        add(hasher, &[texture.0]);
+        add(hasher, &[height]);
     }
 }
 

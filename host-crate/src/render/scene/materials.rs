@@ -1,8 +1,9 @@
 //! The table of materials.
 
 use super::albedos;
+use super::bump_maps::NormalMaps;
 use crate::scene::{
-    self, Channel, Material, Opacity, Principled, Reflectance, Scene, TextureId, distinct_ior,
+    self, Channel, Maps, Material, Opacity, Principled, Reflectance, Scene, TextureId, distinct_ior,
 };
 use glam::{UVec4, Vec3};
 use raystream_shaders::scene::bsdf::albedo;
@@ -25,14 +26,21 @@ fn place(texture: Option<TextureId>, places: &[u32]) -> u32 {
 }
 
 /// What principled materials have beside the [`table`], for each of a scene's; nothing where none
-/// is principled. The albedos that they need are added to `tables`.
-pub fn layered(scene: &Scene, places: &[u32], tables: &mut Tables) -> Vec<Layers> {
+/// is principled. `normals` are their maps of normals. The albedos that they need are added to
+/// `tables`.
+pub fn layered(
+    scene: &Scene,
+    normals: &NormalMaps,
+    places: &[u32],
+    tables: &mut Tables,
+) -> Vec<Layers> {
     if !scene.materials.iter().any(|material| material.principled().is_some()) {
         return Vec::new();
     }
-    let layers = scene.materials.iter().map(|material| {
-        let of = |principled| layers(principled, tables, places);
-        material.principled().map_or(Layers::NONE, of)
+    let layers = scene.materials.iter().zip(&normals.of_materials).map(|(material, normal)| {
+        let Some(principled) = material.principled() else { return Layers::NONE };
+        let maps = Maps { normal: *normal, ..principled.maps };
+        layers(&Principled { maps, ..*principled }, tables, places)
     });
     layers.collect()
 }

@@ -1,6 +1,7 @@
 //! A scene in the layout that the kernels read.
 
 mod albedos;
+mod bump_maps;
 pub mod bvh;
 pub mod camera;
 mod emission_maps;
@@ -14,6 +15,7 @@ mod scene_triangle;
 mod textures;
 mod triangles;
 
+use self::bump_maps::NormalMaps;
 use self::bvh::BvhQuality;
 use self::environment::{Ball, PackedEnvironment};
 use self::hierarchies::Hierarchies;
@@ -60,6 +62,8 @@ pub struct PreparedScene {
     pub degenerate: usize,
     /// How many had the corners of an earlier one, which hides them, and were left out.
     pub copies: usize,
+    /// How many bump maps lie on surfaces in sizes that differ, so that their heights do.
+    pub uneven_bumps: usize,
     /// The camera.
     pub camera: Camera,
     /// How long paths may be, by the scene.
@@ -76,7 +80,8 @@ impl PreparedScene {
         scene.check()?;
         let from = geometry::gather(scene);
         let triangles = &from.world.triangles;
-        let textures = textures::pack(&scene.textures);
+        let normals = NormalMaps::new(scene, &from);
+        let textures = textures::pack(scene.textures.iter().chain(&normals.textures));
         let mapped = emission_maps::of_triangles(scene, triangles, &from.attributes, &textures);
         let Textures { words: mut texels, places } = textures;
         let materials = materials::table(scene, &places);
@@ -95,7 +100,7 @@ impl PreparedScene {
             environment: environment.as_ref().map(|it| it.power * ball.radius_squared()),
         });
         let mut tables = Tables::new(scene.materials.len() as u32);
-        let layers = materials::layered(scene, &places, &mut tables);
+        let layers = materials::layered(scene, &normals, &places, &mut tables);
         let media = PackedMedia::new(scene, lights.table.len(), &mut tables);
         params.lights = lights.table.len() as u32;
         params.total_importance = lights.total_importance;
@@ -119,6 +124,7 @@ impl PreparedScene {
             instances,
             degenerate: from.degenerate(),
             copies: from.copies(),
+            uneven_bumps: normals.uneven,
             camera: scene.camera,
             limits: scene.limits,
         };
@@ -148,7 +154,14 @@ impl PreparedScene {
         };
         let copies = dropped(self.copies, "with the corners of an earlier one, which hides them,");
         let thin = dropped(self.degenerate, "thinner than the roundings of their corners");
-        copies.into_iter().chain(thin).collect()
+        let bumps = (self.uneven_bumps > 0).then(|| {
+            format!(
+                "{} bump maps lie on surfaces in sizes that differ: where they are larger than in \
+                 the mean, so are their heights.",
+                self.uneven_bumps
+            )
+        });
+        copies.into_iter().chain(thin).chain(bumps).collect()
     }
 
     /// The number in the scene of the triangle of a hit, if that is one: those of the meshes count,
@@ -183,7 +196,8 @@ impl PreparedScene {
 fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
     let has_textures = any(|material| material.textures().next().is_some());
-    let has_wide = has_textures && scene.textures.iter().any(Texture::is_wide);
+    let has_wide =
+        has_textures && (scene.textures.iter().any(Texture::is_wide) || any(Material::has_bumps));
     let is_principled = any(|material| material.principled().is_some());
     let has_cover = any(|m| m.principled().is_some_and(Principled::has_cover));
     let has_conductors = any(|m| m.principled().is_some_and(|p| p.conductor.is_some()));

@@ -15,10 +15,10 @@ pub struct Textures {
 }
 
 /// Puts textures into one buffer, behind the table that decodes them.
-pub fn pack(textures: &[Texture]) -> Textures {
+pub fn pack<'a>(textures: impl IntoIterator<Item = &'a Texture>) -> Textures {
     let mut words: Vec<u32> =
         (0..DECODE_WORDS).map(|code| srgb_to_linear(code).to_bits()).collect();
-    let mut places = Vec::with_capacity(textures.len());
+    let mut places = Vec::new();
     for texture in textures {
         places.push(words.len() as u32);
         let [across, down] = texture.wrap.map(|wrap| match wrap {

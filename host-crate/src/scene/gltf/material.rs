@@ -149,6 +149,7 @@ impl<'a> Materials<'a> {
                 roughness: channel(ROUGHNESS),
                 metallic: channel(METALLIC),
                 normal: normal.map(|(slot, scale)| NormalMap { texture: slot.texture, scale }),
+                bump: None,
                 emission: emission.map(|slot| slot.texture),
             };
             return made;

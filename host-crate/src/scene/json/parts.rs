@@ -25,6 +25,10 @@ use glam::{DAffine3, DVec3};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
+/// As Blender writes them.
+const NORMALS: Fate = Fate::Judged("this bump map is a picture of normals and is read as one: ");
+const UNREADABLE_BUMP: Fate = Fate::Becomes("these bump maps cannot be read and are left out: ");
+
 /// What is the same for all places of a scene.
 #[derive(Clone, Copy)]
 pub(super) struct Places {
@@ -266,7 +270,16 @@ impl<'a> Parts<'a> {
         for TextureFile { slot, line, path, filter } in &rule.textures {
             let file = rule.otherwise.as_ref().map_or(self.names.scene, |o| o.mtl.as_path());
             match (self.pictures.load(self.names.source, path, *filter), &rule.otherwise) {
-                (Ok(texture), _) => {
+                (Ok(texture), otherwise) => {
+                    let of_mtl = otherwise.is_some();
+                    let slot = &match *slot {
+                        Slot::Bump(height) if of_mtl && self.pictures.is_of_normals(texture) => {
+                            let thing = path.display().to_string();
+                            self.summary.note(file, *line, NORMALS, &thing, &name);
+                            Slot::Normal(height)
+                        }
+                        slot => slot,
+                    };
                     let is_colour = *slot == Slot::Colour && !material.has_holes();
                     if is_colour && self.pictures.has_alpha(texture) {
                         let thing = format!("alpha of {}", path.display());
@@ -277,6 +290,7 @@ impl<'a> Parts<'a> {
                 (Err(error), Some(otherwise)) => {
                     let fate = match slot {
                         Slot::Emission => Fate::UnreadableEmission,
+                        Slot::Bump(_) => UNREADABLE_BUMP,
                         _ => Fate::UnreadableTexture,
                     };
                     self.summary.note(file, *line, fate, &error.to_string(), &name);

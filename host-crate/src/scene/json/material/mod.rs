@@ -194,6 +194,11 @@ impl MaterialKeys {
         let (attenuation, priority) = (self.attenuation()?, self.priority());
         let textures: Vec<_> =
             self.textures.map(|Object(textures)| textures.files().collect()).unwrap_or_default();
+        if textures.iter().any(|file| matches!(file.slot, Slot::Bump(_)))
+            && textures.iter().any(|file| matches!(file.slot, Slot::Normal(_)))
+        {
+            return Err("`textures` has `normal` or `bump`, not both".to_owned());
+        }
         let has = |wanted: fn(&Slot) -> bool| textures.iter().any(|file| wanted(&file.slot));
         let roughness = if has(|slot| matches!(slot, Slot::Roughness(_))) { 1.0 } else { 0.5 };
         let metallic = if has(|slot| matches!(slot, Slot::Metallic(_))) { 1.0 } else { 0.0 };

@@ -1,6 +1,6 @@
 //! The textures that a scene file gives a material.
 
-use crate::scene::json::values::{Colour, Object, Slope, present};
+use crate::scene::json::values::{Colour, Height, Object, Slope, present};
 use crate::scene::rule::{Slot, TextureFile};
 use crate::scene::texture::TextureFilter;
 use serde::de::{MapAccess, SeqAccess, Visitor, value};
@@ -58,6 +58,8 @@ pub(super) struct TextureKeys {
     #[serde(default, deserialize_with = "present")]
     normal: Option<Object<NormalKeys>>,
     #[serde(default, deserialize_with = "present")]
+    bump: Option<Object<BumpKeys>>,
+    #[serde(default, deserialize_with = "present")]
     emission: Option<Object<FileKeys>>,
 }
 
@@ -85,6 +87,15 @@ struct NormalKeys {
     file: PathBuf,
     #[serde(default, deserialize_with = "present")]
     scale: Option<Slope>,
+    #[serde(default)]
+    filter: FilterKey,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BumpKeys {
+    file: PathBuf,
+    height: Height,
     #[serde(default)]
     filter: FilterKey,
 }
@@ -122,6 +133,7 @@ pub(in crate::scene::json) fn key_of(slot: Slot) -> &'static str {
         Slot::Roughness(_) => "textures.roughness.file",
         Slot::Metallic(_) => "textures.metallic.file",
         Slot::Normal(_) => "textures.normal.file",
+        Slot::Bump(_) => "textures.bump.file",
         Slot::Emission => "textures.emission.file",
     }
 }
@@ -137,6 +149,9 @@ impl TextureKeys {
         let normal = self.normal.map(|Object(NormalKeys { file, scale, filter })| {
             texture_file(Slot::Normal(scale.map_or(1.0, |Slope(scale)| scale)), file, filter)
         });
+        let bump = self.bump.map(|Object(BumpKeys { file, height: Height(height), filter })| {
+            texture_file(Slot::Bump(height), file, filter)
+        });
         let emission = self
             .emission
             .map(|Object(FileKeys { file, filter })| texture_file(Slot::Emission, file, filter));
@@ -144,6 +159,7 @@ impl TextureKeys {
             self.roughness.map(channel(Slot::Roughness)),
             self.metallic.map(channel(Slot::Metallic)),
             normal,
+            bump,
             emission,
         ]
         .into_iter()

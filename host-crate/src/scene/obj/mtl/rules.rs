@@ -27,6 +27,11 @@ pub(super) const SHARPEST: f64 = 1000.0;
 const MIRROR_MODELS: [i64; 2] = [3, 5];
 /// Keys of textures of emission; the first that there is counts.
 pub(super) const EMISSION_MAPS: [&str; 2] = ["map_ke", "map_emissive"];
+/// Keys of bump maps; the first that says how high it is counts.
+pub(super) const BUMP_MAPS: [&str; 2] = ["bump", "map_bump"];
+const MISSING_BUMP: Fate = Fate::Becomes("these bump maps are not there and are left out: ");
+/// The highest bump map.
+const MAX_HEIGHT: f64 = 1e4;
 pub(super) const GLASS_MODELS: [i64; 4] = [4, 6, 7, 9];
 
 /// What kind of surface a material is.
@@ -90,14 +95,12 @@ impl Describer<'_> {
         entry.note_what_has_no_effect(surface, summary);
         let kd = || entry.reflectance("kd", DEFAULT_REFLECTANCE);
         let glow = if surface.may_glow() { self.glow(entry, summary) } else { None };
+        let bump = if surface.may_glow() { self.bump(entry, summary) } else { None };
         let material = match surface {
             Surface::Principled => Material::Principled(entry.principled()?),
-            // Paint that shines without a highlight.
-            Surface::Lamp | Surface::Paint if glow.is_some() => Material::Principled(Principled {
-                specular: Vec3::ZERO,
-                emission: entry.radiance("ke")?,
-                ..Principled::paint(DEFAULT_REFLECTANCE, 1.0)
-            }),
+            Surface::Lamp | Surface::Paint if glow.is_some() || bump.is_some() => {
+                entry.without_highlight()?
+            }
             Surface::Lamp => {
                 if let Some(lost) = entry.keys.get("map_kd").filter(|_| entry.glows(surface)) {
                     // The texture of its emission, beside which it would have counted, is not
@@ -128,8 +131,8 @@ impl Describer<'_> {
         };
         let material = if glow.is_some() { glowing(material) } else { material };
         let found = [(Slot::Colour, colour), (Slot::Emission, glow)];
-        let found: Vec<_> =
-            found.into_iter().filter_map(|(slot, found)| Some((slot, found?))).collect();
+        let found = found.into_iter().filter_map(|(slot, found)| Some((slot, found?)));
+        let found: Vec<_> = found.chain(bump).collect();
         let Some(&(_, TextureFile { map, .. })) = found.first() else {
             return Ok(MaterialRule::Plain(material));
         };
@@ -160,6 +163,13 @@ impl Describer<'_> {
         self.texture(entry, key, Fate::MissingEmission, summary)
     }
 
+    /// The bump map, if the entry names one that is there and says how high it is.
+    fn bump(&self, entry: &Entry, summary: &mut Summary) -> Option<(Slot, TextureFile)> {
+        let (key, height) = entry.bump()?;
+        let file = self.texture(entry, key, MISSING_BUMP, summary)?;
+        Some((Slot::Bump(height), file))
+    }
+
     /// The texture behind a key; if it is not there, that is its `fate`.
     fn texture(
         &self,
@@ -178,6 +188,9 @@ impl Describer<'_> {
         };
         for option in &statement.without_effect {
             note(Fate::WithoutEffect, &format!("{} {option}", value.key));
+        }
+        if !BUMP_MAPS.contains(&key) && statement.height.is_some_and(|height| height != 1.0) {
+            note(Fate::WithoutEffect, &format!("{} -bm", value.key));
         }
         if found.by_its_end {
             note(Fate::FoundByEnd, &Name::new(statement.file).to_string());
@@ -232,6 +245,23 @@ impl Entry {
         } else {
             Surface::Paint
         })
+    }
+
+    /// The key of the bump map, and how high that is, in units of the OBJ.
+    pub(super) fn bump(&self) -> Option<(&'static str, f32)> {
+        BUMP_MAPS.into_iter().find_map(|key| {
+            let height = MapStatement::parse(&self.keys.get(key)?.text).height?;
+            (height.abs() <= MAX_HEIGHT).then_some((key, height as f32))
+        })
+    }
+
+    /// Paint, or a lamp, that has textures but no highlight; its colour comes later.
+    fn without_highlight(&self) -> Result<Material, SceneError> {
+        Ok(Material::Principled(Principled {
+            specular: Vec3::ZERO,
+            emission: self.radiance("ke")?,
+            ..Principled::paint(DEFAULT_REFLECTANCE, 1.0)
+        }))
     }
 
     /// Whether a texture says what it emits.
