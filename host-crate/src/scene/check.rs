@@ -9,7 +9,7 @@ use super::material::{Attenuation, Maps, Material, Opacity, Principled, Reflecta
 use super::mesh::Mesh;
 use super::metal::Conductor;
 use super::texture::{Texels, Texture, TextureId, Wrap};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 use raystream_shaders::scene::media::MOST_BODIES;
 
 /// What is wrong with a scene.
@@ -120,36 +120,7 @@ impl Scene {
         let named = |name: &str, checked: Result<(), String>| {
             checked.map_err(|what| format!("{name} {what}"))
         };
-        for texture in material.maps.textures() {
-            in_range("texture", texture.0, self.textures.len(), "textures")?;
-        }
-        for map in [material.maps.roughness, material.maps.metallic].into_iter().flatten() {
-            in_range("channel", map.channel, 4, "channels")?;
-        }
-        if let Some(TextureId(map)) = material.maps.emission {
-            let brightest = f64::from(self.textures[map as usize].brightest());
-            let most = f64::from(material.emission.max_element()) * brightest;
-            if most > bounds::MAX_RADIANCE {
-                let most_allowed = bounds::MAX_RADIANCE;
-                return Err(format!(
-                    "emission times that of its texture must be at most {most_allowed:e}, is {most:e}"
-                ));
-            }
-        }
-        if let Some(map) = material.maps.normal {
-            named("normal.scale", bounds::scale(map.scale.into()).map(drop))?;
-        }
-        if let Some(map) = material.maps.bump {
-            named("bump.height", bounds::scale(map.height.into()).map(drop))?;
-            if material.maps.normal.is_some() {
-                return Err("has maps of normals and of heights; it may have one of them".into());
-            }
-            if self.textures[map.texture.0 as usize].wrap.contains(&Wrap::Mirror) {
-                return Err(
-                    "bump.texture runs back beyond its edges; it may repeat or clamp".into()
-                );
-            }
-        }
+        self.check_maps(material)?;
         named("base_colour", bounds::reflectance(&values(material.base_colour)).map(drop))?;
         let shares = [
             ("metallic", material.metallic),
@@ -189,6 +160,40 @@ impl Scene {
         named("emission", radiance(material.emission).map(drop))
     }
 
+    fn check_maps(&self, material: &Principled) -> Result<(), String> {
+        for texture in material.maps.textures() {
+            in_range("texture", texture.0, self.textures.len(), "textures")?;
+        }
+        for map in [material.maps.roughness, material.maps.metallic].into_iter().flatten() {
+            in_range("channel", map.channel, 4, "channels")?;
+        }
+        if let Some(TextureId(map)) = material.maps.emission {
+            let brightest = f64::from(self.textures[map as usize].brightest());
+            let most = f64::from(material.emission.max_element()) * brightest;
+            if most > bounds::MAX_RADIANCE {
+                let most_allowed = bounds::MAX_RADIANCE;
+                return Err(format!(
+                    "emission times that of its texture must be at most {most_allowed:e}, is {most:e}"
+                ));
+            }
+        }
+        if let Some(map) = material.maps.normal {
+            bounds::scale(map.scale.into()).map_err(|what| format!("normal.scale {what}"))?;
+        }
+        if let Some(map) = material.maps.bump {
+            bounds::scale(map.height.into()).map_err(|what| format!("bump.height {what}"))?;
+            if material.maps.normal.is_some() {
+                return Err("has maps of normals and of heights; it may have one of them".into());
+            }
+            if self.textures[map.texture.0 as usize].wrap.contains(&Wrap::Mirror) {
+                return Err(
+                    "bump.texture runs back beyond its edges; it may repeat or clamp".into()
+                );
+            }
+        }
+        Ok(())
+    }
+
     fn check_mesh(&self, mesh: &Mesh) -> Result<(), InvalidScene> {
         in_range("material", mesh.material.0, self.materials.len(), "materials")
             .map_err(at("material"))?;
@@ -211,7 +216,7 @@ impl Scene {
             let what = "are needed, since the material has a texture".to_owned();
             return Err(at("texture_coordinates")(what));
         }
-        Ok(())
+        check_colours(mesh, material)
     }
 
     fn check_quad_lights(&self) -> Result<(), InvalidScene> {
@@ -356,6 +361,26 @@ fn check_normals(mesh: &Mesh) -> Result<(), InvalidScene> {
         }
         None => Ok(()),
     }
+}
+
+fn check_colours(mesh: &Mesh, material: &Material) -> Result<(), InvalidScene> {
+    let Some(colours) = &mesh.colours else { return Ok(()) };
+    check_count("colours", colours.len(), mesh)?;
+    if !material.takes_colours() {
+        let what = "are there, but the material has no colour that they could multiply".to_owned();
+        return Err(at("colours")(what));
+    }
+    let is_share = |colour: &Vec4| colour.cmpge(Vec4::ZERO).all() && colour.cmple(Vec4::ONE).all();
+    if let Some(index) = colours.iter().position(|corners| !corners.iter().all(is_share)) {
+        let what = format!("must be from 0 to 1, are {:?}", colours[index]);
+        return Err(at(&format!("colours[{index}]"))(what));
+    }
+    let is_opaque = colours.as_flattened().iter().all(|colour| colour.w == 1.0);
+    if material.has_holes() && material.body().is_some() && !is_opaque {
+        let what = "have alpha, but the material bounds a body, which has no holes".to_owned();
+        return Err(at("colours")(what));
+    }
+    Ok(())
 }
 
 fn check_texture_coordinates(mesh: &Mesh) -> Result<(), InvalidScene> {
@@ -551,6 +576,20 @@ mod tests {
             ("meshes[0].normals[0]", &|s| s.meshes[0].normals = Some(vec![[Vec3::ONE; 3]])),
             ("meshes[0].texture_coordinates[0]", &|s| {
                 s.meshes[0].texture_coordinates = Some(vec![[Vec2::INFINITY; 3]]);
+            }),
+            ("meshes[0].colours", &|s| s.meshes[0].colours = Some(Vec::new())),
+            ("meshes[0].colours[0]", &|s| {
+                s.meshes[0].colours = Some(vec![[Vec4::ONE, Vec4::NAN, Vec4::ONE]]);
+            }),
+            ("meshes[0].colours", &|s| {
+                s.materials[0] = Material::mirror(Vec3::ONE);
+                s.meshes[0].colours = Some(vec![[Vec4::ONE; 3]]);
+            }),
+            ("meshes[0].colours", &|s| {
+                s.materials[0] = paint(|m| {
+                    (m.transmission, m.opacity) = (1.0, Opacity::Blend { alpha: 1.0 });
+                });
+                s.meshes[0].colours = Some(vec![[Vec4::splat(0.5); 3]]);
             }),
             ("meshes[0].texture_coordinates", &|s| {
                 let texture = s.add_texture(texture(1, 1));

@@ -363,6 +363,16 @@ impl Material {
         self.principled().is_some_and(|principled| principled.opacity != Opacity::Opaque)
     }
 
+    /// Whether [colours of vertices](super::Mesh::colours) multiply its own: that of paint, plastic,
+    /// glass of any roughness, of metal that is known by its colour, and of what a lamp reflects.
+    pub fn takes_colours(&self) -> bool {
+        match self {
+            Self::Diffuse { .. } | Self::Emissive { .. } => true,
+            Self::Principled(principled) => principled.conductor.is_none(),
+            Self::Mirror { .. } | Self::Dielectric { .. } => false,
+        }
+    }
+
     /// Whether it has a bump map.
     pub(crate) fn has_bumps(&self) -> bool {
         self.principled().is_some_and(|principled| principled.maps.bump.is_some())

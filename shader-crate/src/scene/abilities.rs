@@ -49,6 +49,9 @@ pub const INSTANCES: u32 = 1 << 11;
 /// Textures have more than 8 bits a channel, or show whole texels.
 pub const WIDE_TEXTURES: u32 = 1 << 12;
 
+/// Vertices have [colours](crate::scene::triangle::VertexColours).
+pub const VERTEX_COLOURS: u32 = 1 << 13;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

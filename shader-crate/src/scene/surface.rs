@@ -1,10 +1,12 @@
 //! From a hit to what shading needs to know.
 
-use crate::glam::{UVec4, Vec3};
+use crate::glam::{UVec4, Vec3, Vec4};
 use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::math::random::{hash, unit_float};
 use crate::memory::rows::{four_rows, six_rows, three_rows, two_rows};
-use crate::scene::abilities::{Abilities, EMISSION_MAPS, INSTANCES, MEDIA, PRINCIPLED, TEXTURES};
+use crate::scene::abilities::{
+    Abilities, EMISSION_MAPS, INSTANCES, MEDIA, PRINCIPLED, TEXTURES, VERTEX_COLOURS,
+};
 use crate::scene::bsdf::albedo::{self, AlbedoView};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
@@ -14,7 +16,7 @@ use crate::scene::light::importance;
 use crate::scene::media::{Body, Interface, Media, MediaView, Sides};
 use crate::scene::ray::{Clearance, Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
-use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, Triangle};
+use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, NO_COLOURS, Triangle, VertexColours};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -30,6 +32,8 @@ pub struct SurfaceView<'a, A> {
     pub bvh: BvhView<'a, A>,
     /// Row of the first attributes.
     pub first_attributes: u32,
+    /// See [`SceneParams::first_colours`](crate::scene::SceneParams::first_colours).
+    pub first_colours: u32,
     /// Row of the first material.
     pub first_material: u32,
     /// Row of the tables of principled materials; see [`crate::scene`].
@@ -106,6 +110,17 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
         attributes
     }
 
+    /// What vertices multiply the colour and the opacity of a triangle's material by, where `hit` is
+    /// on it: one with attributes of this number.
+    #[inline(always)]
+    fn colour(&self, attributes: u32, hit: &Hit) -> Vec4 {
+        if !self.abilities.has(VERTEX_COLOURS) || self.first_colours == NO_COLOURS {
+            return Vec4::ONE;
+        }
+        let first = self.first_colours + attributes * VertexColours::ROWS;
+        VertexColours::from_rows(two_rows(self.rows, first)).at(hit)
+    }
+
     /// What the principled material number `index` has beside [`Self::material`].
     fn layers(&self, index: u32) -> Layers {
         let first = self.first_albedos + albedo::ROWS + index * Layers::ROWS;
@@ -125,7 +140,11 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
             return false;
         }
         let mut alpha = layers.alpha;
-        let is_textured = material.texture != NO_TEXTURE && triangle.attributes != NO_ATTRIBUTES;
+        let has_attributes = triangle.attributes != NO_ATTRIBUTES;
+        if self.abilities.has(VERTEX_COLOURS) && has_attributes {
+            alpha *= self.colour(triangle.attributes, hit).w;
+        }
+        let is_textured = material.texture != NO_TEXTURE && has_attributes;
         if self.abilities.has(TEXTURES) && is_textured {
             let uv = self.attributes(triangle.attributes, NO_INSTANCE).uv(hit);
             alpha *= self.textures.codes(material.texture, uv.x, uv.y).w;
@@ -219,6 +238,9 @@ impl<'a, F: Abilities> Surface<'a, F> {
         if triangle.attributes != NO_ATTRIBUTES {
             let a = surfaces.attributes(triangle.attributes, place.instance);
             shading = a.normal(hit, geometric);
+            if surfaces.abilities.has(VERTEX_COLOURS) {
+                material.reflectance *= surfaces.colour(triangle.attributes, hit).truncate();
+            }
             if surfaces.abilities.has(TEXTURES) {
                 let uv = a.uv(hit);
                 if material.texture != NO_TEXTURE {

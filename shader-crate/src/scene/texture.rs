@@ -62,9 +62,11 @@ impl<'a, A: Abilities> TextureView<'a, A> {
     /// are at half-integers. It is in [0, 1], but for textures of floats: these have no upper end.
     pub fn sample(&self, texture: u32, u: f32, v: f32) -> Vec3 {
         let near = self.neighbours(texture, u, v);
-        let texel = |place| self.texel(place, near.format);
-        let upper = texel(near.upper_left).lerp(texel(near.upper_right), near.across);
-        let lower = texel(near.lower_left).lerp(texel(near.lower_right), near.across);
+        let (across, format) = (near.across, near.format);
+        let upper = self.texel(near.upper_left, format);
+        let upper = upper.lerp(self.texel(near.upper_right, format), across);
+        let lower = self.texel(near.lower_left, format);
+        let lower = lower.lerp(self.texel(near.lower_right, format), across);
         upper.lerp(lower, near.down)
     }
 
@@ -78,9 +80,11 @@ impl<'a, A: Abilities> TextureView<'a, A> {
     /// stand for themselves, up to 1, and their fourth channel is 1.
     pub fn codes(&self, texture: u32, u: f32, v: f32) -> Vec4 {
         let near = self.neighbours(texture, u, v);
-        let code = |place| self.code(place, near.format);
-        let upper = code(near.upper_left).lerp(code(near.upper_right), near.across);
-        let lower = code(near.lower_left).lerp(code(near.lower_right), near.across);
+        let (across, format) = (near.across, near.format);
+        let upper = self.code(near.upper_left, format);
+        let upper = upper.lerp(self.code(near.upper_right, format), across);
+        let lower = self.code(near.lower_left, format);
+        let lower = lower.lerp(self.code(near.lower_right, format), across);
         upper.lerp(lower, near.down)
     }
 
@@ -144,19 +148,21 @@ impl<'a, A: Abilities> TextureView<'a, A> {
     }
 
     fn floats(&self, place: u32) -> Vec3 {
-        let number = |word: u32| f32::from_bits(at(self.words, place + word));
-        Vec3::new(number(0), number(1), number(2))
+        Vec3::new(
+            f32::from_bits(at(self.words, place)),
+            f32::from_bits(at(self.words, place + 1)),
+            f32::from_bits(at(self.words, place + 2)),
+        )
     }
 
     fn shorts(&self, place: u32) -> Vec4 {
         let (low, high) = (at(self.words, place), at(self.words, place + 1));
-        let channel = |code: u32| code as f32 * (1.0 / 65535.0);
         Vec4::new(
-            channel(low & 0xffff),
-            channel(low >> 16),
-            channel(high & 0xffff),
-            channel(high >> 16),
-        )
+            (low & 0xffff) as f32,
+            (low >> 16) as f32,
+            (high & 0xffff) as f32,
+            (high >> 16) as f32,
+        ) * (1.0 / 65_535.0)
     }
 
     fn decode(&self, srgb: u32) -> f32 {

@@ -256,7 +256,6 @@ fn what_is_left_out_is_said() {
     let obj =
         SQUARE.replace("v 2 0 0", "v 2 0 0 1 0 0") + "l 1 2\np 1\nfrob 1\ncurv 0 1 1 2\nfo 1 2 3\n";
     let scene = scene(obj, MTL);
-    assert_warns(&scene, &["a.obj", "colours of vertices", "line 3"]);
     assert_warns(
         &scene,
         &["a.obj", "not read", "`curv`", "`frob` (1, the first is line 14)", "`l`", "`p`"],

@@ -1,7 +1,7 @@
 //! What surfaces are made of.
 
 use super::assert_warns;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use raystream::scene::{
     Attenuation, Material, Opacity, Principled, Scene, Texels, TextureFilter, TextureId,
 };
@@ -293,6 +293,36 @@ fn colours_of_vertices_are_the_materials_where_they_are_one() {
     assert_eq!(principled(&scene).base_colour, Vec3::new(0.25, 0.25, 1.0));
     assert!(!format!("{:?}", scene.warnings).contains("colour"), "{:?}", scene.warnings);
     let scene = attribute(&mut gltf, several);
-    assert_eq!(principled(&scene).base_colour, Vec3::new(0.25, 0.5, 1.0));
-    assert_warns(&scene, &["mean of their colours: 1"]);
+    assert_eq!(principled(&scene).base_colour, Vec3::new(0.5, 1.0, 1.0));
+    let colours = scene.meshes[0].colours.as_ref().unwrap()[0];
+    let expected = [
+        Vec4::new(0.5, 0.25, 1.0, 1.0),
+        Vec4::new(0.5, 0.25, 1.0, 1.0),
+        Vec4::new(0.5, 1.0, 1.0, 1.0),
+    ];
+    assert_eq!(colours, expected);
+    assert!(!format!("{:?}", scene.warnings).contains("colour"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn the_alpha_of_vertices_makes_holes_where_alpha_does() {
+    let with = |material: Value| {
+        let mut gltf = with_material(material);
+        let alphas = gltf.floats(&[[1.0, 1.0, 1.0, 0.5]; 3]);
+        gltf.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(alphas);
+        gltf.scene()
+    };
+    let blend = with(json!({"alphaMode": "BLEND"}));
+    assert_eq!(principled(&blend).opacity, Opacity::Blend { alpha: 1.0 });
+    assert_eq!(blend.meshes[0].colours.as_ref().unwrap()[0], [Vec4::new(1.0, 1.0, 1.0, 0.5); 3]);
+    let mask = with(json!({"alphaMode": "MASK", "alphaCutoff": 0.25}));
+    assert_eq!(principled(&mask).opacity, Opacity::Mask { alpha: 1.0, cutoff: 0.25 });
+    let opaque = with(json!({}));
+    assert_eq!(principled(&opaque).opacity, Opacity::Opaque);
+    let body = with(json!({"alphaMode": "BLEND", "extensions": {
+        "KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_volume": {"thicknessFactor": 1},
+    }}));
+    assert_eq!(principled(&body).opacity, Opacity::Opaque);
+    assert_warns(&body, &["bodies have no holes", "COLOR_0"]);
 }

@@ -76,6 +76,9 @@ fn scene_digest(scene: &Scene) -> String {
         add(&mut hasher, mesh.normals.as_deref().unwrap_or_default().as_flattened());
         let coordinates = mesh.texture_coordinates.as_deref().unwrap_or_default();
         add(&mut hasher, coordinates.as_flattened());
+        if let Some(colours) = &mesh.colours {
+            add(&mut hasher, colours.as_flattened());
+        }
     }
     for light in &scene.quad_lights {
         add(&mut hasher, &[light.corner, light.u, light.v]);

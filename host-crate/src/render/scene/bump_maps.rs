@@ -3,7 +3,7 @@
 use super::geometry::Geometry;
 use super::scene_triangle::SceneTriangle;
 use crate::scene::{BumpMap, Material, NormalMap, Scene, Texels, Texture, TextureId, Wrap};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES};
 
 /// A material whose texture is so unevenly large on its surfaces, as a standard deviation over the
@@ -77,7 +77,7 @@ fn densities_of(materials: usize, geometry: &Geometry) -> Vec<Density> {
         if triangle.attributes == NO_ATTRIBUTES {
             continue;
         }
-        let attributes = &geometry.attributes[triangle.attributes as usize];
+        let attributes = &geometry.corners.attributes[triangle.attributes as usize];
         let Some(density) = densities.get_mut(triangle.material as usize) else { continue };
         let (area, gradients) = gradients(triangle, attributes);
         density.area += area;
@@ -90,7 +90,7 @@ fn densities_of(materials: usize, geometry: &Geometry) -> Vec<Density> {
 /// The area of a triangle, and how fast its texture coordinates grow where they grow fastest, by
 /// world unit.
 fn gradients(triangle: &SceneTriangle, attributes: &Attributes) -> (f64, DVec2) {
-    let [a, b, c] = triangle.corners.map(|corner| corner.as_dvec3());
+    let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
     let (edge1, edge2): (DVec3, DVec3) = (b - a, c - a);
     let doubled = edge1.cross(edge2).length();
     let Attributes { u0, v0, u1, v1, u2, v2, .. } = attributes;
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use crate::render::scene::geometry::gather;
     use crate::scene::{Camera, FilmSize, Maps, Mesh, Principled};
-    use glam::{Vec2, Vec3};
+    use glam::Vec2;
 
     /// A scene of a floor with a bump map of this height that lies `times` on each unit.
     fn floor(texture: Texture, height: f32, times: Vec2) -> Scene {

@@ -18,6 +18,7 @@ mod triangles;
 use self::bump_maps::NormalMaps;
 use self::bvh::BvhQuality;
 use self::environment::{Ball, PackedEnvironment};
+use self::geometry::Corners;
 use self::hierarchies::Hierarchies;
 use self::lights::{Emitters, Lights};
 use self::materials::Tables;
@@ -30,13 +31,14 @@ use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::abilities::{
     ALL, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, INSTANCES, MEDIA,
-    PRINCIPLED, PUNCTUAL, TEXTURES, WIDE_TEXTURES,
+    PRINCIPLED, PUNCTUAL, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
 };
-use raystream_shaders::scene::bsdf::layers::Layers;
+use raystream_shaders::scene::bsdf::{self, layers::Layers};
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
 use raystream_shaders::scene::light::{DIRECTION, Light, POINT};
 use raystream_shaders::scene::media::NO_MEDIA;
 use raystream_shaders::scene::ray::Hit;
+use raystream_shaders::scene::triangle::NO_COLOURS;
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -82,7 +84,8 @@ impl PreparedScene {
         let triangles = &from.world.triangles;
         let normals = NormalMaps::new(scene, &from);
         let textures = textures::pack(scene.textures.iter().chain(&normals.textures));
-        let mapped = emission_maps::of_triangles(scene, triangles, &from.attributes, &textures);
+        let mapped =
+            emission_maps::of_triangles(scene, triangles, &from.corners.attributes, &textures);
         let Textures { words: mut texels, places } = textures;
         let materials = materials::table(scene, &places);
         let mut params = SceneParams { background: scene.background, ..SceneParams::zeroed() };
@@ -108,18 +111,15 @@ impl PreparedScene {
         params.environment = environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
             packed.append(&mut texels, lights.environment_chance, ball)
         });
-        params.first_attributes = append(&mut surfaces, &from.attributes);
-        params.first_material = append(&mut surfaces, &materials);
-        params.first_light = append(&mut surfaces, &lights.table);
-        params.first_media = NO_MEDIA;
-        append_layers(&mut surfaces, &layers, &tables);
-        params.first_emission_map = append(&mut surfaces, &lights.maps);
+        let (corners, lights) = (&from.corners, &lights);
+        Parts { corners, materials: &materials, lights, layers: &layers, tables: &tables }
+            .append_to(&mut surfaces, &mut params);
         let mut prepared = Self {
             geometry,
             surfaces,
             texels,
             params,
-            abilities: abilities(scene, &params, &lights),
+            abilities: abilities(scene, &params, lights),
             numbers,
             instances,
             degenerate: from.degenerate(),
@@ -132,7 +132,7 @@ impl PreparedScene {
             prepared.abilities |= INSTANCES;
         }
         if let Some(media) = &media {
-            prepared.add_media(media, &lights);
+            prepared.add_media(media, lights);
         }
         Ok(prepared)
     }
@@ -217,19 +217,39 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (!is_pinhole, CAMERAS),
         (lights.table.iter().any(is_punctual), PUNCTUAL),
         (!lights.maps.is_empty(), EMISSION_MAPS),
+        (params.first_colours != NO_COLOURS, VERTEX_COLOURS),
     ]
     .into_iter()
     .filter(|(uses, _)| *uses)
     .fold(0, |word, (_, ability)| word | ability)
 }
 
-/// Adds the layers of principled materials, if there are any. Nothing may have been added since the
-/// lights: the kernels look for them right behind.
-fn append_layers(surfaces: &mut Vec<UVec4>, layers: &[Layers], tables: &Tables) {
-    if !layers.is_empty() {
-        append(surfaces, albedos::of_surface());
-        append(surfaces, layers);
-        append(surfaces, &tables.rows);
+/// What surfaces are shaded by, besides triangles and bodies.
+struct Parts<'a> {
+    corners: &'a Corners,
+    materials: &'a [bsdf::Material],
+    lights: &'a Lights,
+    layers: &'a [Layers],
+    tables: &'a Tables,
+}
+
+impl Parts<'_> {
+    /// Adds them to the rows of triangles.
+    fn append_to(&self, surfaces: &mut Vec<UVec4>, params: &mut SceneParams) {
+        params.first_attributes = append(surfaces, &self.corners.attributes);
+        params.first_material = append(surfaces, self.materials);
+        params.first_light = append(surfaces, &self.lights.table);
+        params.first_media = NO_MEDIA;
+        // The kernels look for these right behind the lights.
+        if !self.layers.is_empty() {
+            append(surfaces, albedos::of_surface());
+            append(surfaces, self.layers);
+            append(surfaces, &self.tables.rows);
+        }
+        params.first_emission_map = append(surfaces, &self.lights.maps);
+        let colours = &self.corners.colours;
+        params.first_colours =
+            if colours.is_empty() { NO_COLOURS } else { append(surfaces, colours) };
     }
 }
 
@@ -250,10 +270,9 @@ fn append<T: Pod>(rows: &mut Vec<UVec4>, elements: &[T]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raystream_shaders::scene::bsdf;
 
     use raystream_shaders::scene::light::EmissionMap;
-    use raystream_shaders::scene::triangle::Attributes;
+    use raystream_shaders::scene::triangle::{Attributes, VertexColours};
 
     /// The rows of an element whose every word differs, and the element.
     fn numbered<T: Pod, const ROWS: usize>() -> ([UVec4; ROWS], T) {
@@ -276,5 +295,7 @@ mod tests {
         assert_eq!(EmissionMap::from_rows(rows), map);
         let (rows, attributes) = numbered::<Attributes, { Attributes::ROWS as usize }>();
         assert_eq!(Attributes::from_rows(rows), attributes);
+        let (rows, colours) = numbered::<VertexColours, { VertexColours::ROWS as usize }>();
+        assert_eq!(VertexColours::from_rows(rows), colours);
     }
 }

@@ -21,7 +21,7 @@ use crate::scene::source::parent;
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
 use crate::scene::texture::TextureId;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
@@ -48,6 +48,8 @@ pub(super) struct Parts<'a> {
     places: Places,
     options: LoadOptions,
     library: Library,
+    /// Whether vertices have colours.
+    has_colours: bool,
     pictures: Pictures,
     cleaner: Cleaner,
     summary: Summary,
@@ -96,6 +98,7 @@ impl<'a> Parts<'a> {
             places,
             options,
             library: Library::default(),
+            has_colours: false,
             pictures,
             cleaner: Cleaner::new(rules.dedupe),
             summary: Summary::default(),
@@ -110,6 +113,7 @@ impl<'a> Parts<'a> {
         obj: &Obj,
         scene: &mut Scene,
     ) -> Result<(), SceneError> {
+        self.has_colours = obj.coloured > 0;
         self.library = libraries::read(
             self.names.source,
             self.obj_path,
@@ -160,16 +164,32 @@ impl<'a> Parts<'a> {
             return Err(self.too_far());
         }
         let instances = self.rules.instances.as_deref().unwrap_or_default();
+        let takes_colours = scene.materials[material.0 as usize].takes_colours();
+        if part.has_colours() && !takes_colours {
+            let (line, name) = (part.first_line, part.material.to_string());
+            self.summary.note(
+                self.obj_path,
+                line,
+                Fate::WithoutEffect,
+                "colours of vertices",
+                &name,
+            );
+        }
+        let mesh = |placement: &Placement| {
+            let mut mesh = part.mesh(material, placement, map);
+            mesh.colours = mesh.colours.filter(|_| takes_colours);
+            mesh
+        };
         if !keeps_instances || !is_worth_keeping(part.triangle_count(), instances.len()) {
             for placement in &placements {
-                let mut mesh = part.mesh(material, placement, map);
+                let mut mesh = mesh(placement);
                 self.cleaner.clean(&mut mesh);
                 scene.add_mesh(mesh);
             }
             return Ok(());
         }
         let first = Placement { transform: self.rules.transform, origin: DVec3::ZERO };
-        let mut shape = part.mesh(material, &first, map);
+        let mut shape = mesh(&first);
         self.cleaner.clean(&mut shape);
         let taken_off = DAffine3::from_translation(-origin);
         let transforms: Vec<DAffine3> = instances.iter().map(|t| taken_off * *t).collect();
@@ -252,7 +272,9 @@ impl<'a> Parts<'a> {
             Some(rule) => rule,
             None => {
                 self.undescribed.push(shown);
-                Ok(mtl::DEFAULT)
+                // Vertices say what colour it has.
+                let white = MaterialRule::Plain(Material::diffuse(Vec3::ONE));
+                Ok(if self.has_colours { white } else { mtl::DEFAULT })
             }
         }
     }

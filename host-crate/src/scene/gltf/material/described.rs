@@ -36,8 +36,8 @@ pub(super) struct Described {
     pub plain: Principled,
     /// Whether none of it is seen.
     pub is_invisible: bool,
-    /// Whether its alpha means anything.
-    pub may_be_seen_through: bool,
+    /// What its alpha means, whether or not any of its own is below 1.
+    pub opacity: Opacity,
     pub base_colour: Option<Slot>,
     /// Of roughness and metal.
     pub roughness: Option<Slot>,
@@ -131,7 +131,7 @@ impl Reader<'_, '_> {
         let mut described = Described {
             plain,
             is_invisible: may_be_seen_through && alpha <= 0.0,
-            may_be_seen_through,
+            opacity,
             base_colour,
             roughness: None,
             normal: None,
