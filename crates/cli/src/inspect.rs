@@ -179,6 +179,7 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
         "camera": camera(&scene.camera),
         "camera_is_in_body": is_in_body(prepared),
         "cameras": cameras.collect::<Vec<_>>(),
+        "variants": scene.variants,
         "memory": {"geometry": geometry, "surfaces": surfaces, "textures": textures},
         "warnings": scene.warnings.iter().cloned().chain(prepared.warnings()).collect::<Vec<_>>(),
         "details": scene.details,
@@ -247,6 +248,7 @@ fn lines(scene: &Scene, prepared: &PreparedScene) -> Vec<String> {
         let (name, film) = (&camera.name, camera.film);
         lines.push(format!("--camera    {name}: {}x{} pixels", film.width, film.height));
     }
+    lines.extend(scene.variants.iter().map(|name| format!("--variant   {name}")));
     let [geometry, surfaces, textures] = memory(prepared).map(mebibytes);
     lines.push(format!(
         "memory      {geometry} of geometry, {surfaces} of surfaces, {textures} of textures"

@@ -158,6 +158,16 @@ pub enum SceneError {
         /// The names that there are.
         known: Vec<String>,
     },
+    /// A scene has no variant of that name.
+    #[error("{}: no variant is called `{name}`; the file has {}", .path.display(), list(.known))]
+    UnknownVariant {
+        /// The file.
+        path: PathBuf,
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: Vec<String>,
+    },
     /// A value of a material in an MTL file is malformed or out of range.
     #[error(
         "{}, line {line}: material `{material}`, {key}: {what}; correct it, or override the material in the scene file",

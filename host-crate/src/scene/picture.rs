@@ -37,13 +37,13 @@ pub(super) struct Sampler {
 type Decoded = (u32, u32, Texels);
 
 impl Pictures {
-    pub(super) fn new(options: LoadOptions) -> Self {
+    pub(super) fn new(options: &LoadOptions) -> Self {
         Self {
             textures: Vec::new(),
             warnings: Vec::new(),
             words: 0,
             loaded: HashMap::new(),
-            options,
+            options: options.clone(),
         }
     }
 
@@ -215,7 +215,7 @@ mod tests {
         // Red above blue.
         let picture = image::RgbImage::from_raw(1, 2, vec![255, 0, 0, 0, 0, 128]).unwrap();
         picture.save(&path).unwrap();
-        let mut pictures = Pictures::new(LoadOptions::default());
+        let mut pictures = Pictures::new(&LoadOptions::default());
         assert_eq!(pictures.load(&Disk, &path, LINEAR).unwrap(), TextureId(0));
         assert_eq!(pictures.load(&Disk, &path, LINEAR).unwrap(), TextureId(0));
         let texels = vec![[255, 0, 0, 255], [0, 0, 128, 255]];
@@ -230,7 +230,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         picture.into().save(&path).unwrap();
-        let mut pictures = Pictures::new(LoadOptions::default());
+        let mut pictures = Pictures::new(&LoadOptions::default());
         pictures.load(&Disk, &path, LINEAR).unwrap();
         (pictures.textures.remove(0).texels, pictures.warnings)
     }
@@ -271,14 +271,14 @@ mod tests {
         let pixels = vec![Vec3::new(3.5, 0.25, 0.0), Vec3::ONE];
         let picture = crate::image::ColorImage { width: 2, height: 1, pixels };
         crate::image::write_color(&path, &picture, &[], &crate::image::Display::default()).unwrap();
-        let mut pictures = Pictures::new(LoadOptions::default());
+        let mut pictures = Pictures::new(&LoadOptions::default());
         pictures.load(&Disk, &path, LINEAR).unwrap();
         let expected = vec![[3.5, 0.25, 0.0], [1.0; 3]];
         assert_eq!(pictures.textures, [Texture::of(2, 1, Texels::Floats(expected))]);
         let mut bytes = std::fs::read(&path).unwrap();
         bytes.truncate(bytes.len() / 2);
         std::fs::write(&path, bytes).unwrap();
-        let mut pictures = Pictures::new(LoadOptions::default());
+        let mut pictures = Pictures::new(&LoadOptions::default());
         let error = pictures.load(&Disk, &path, LINEAR).unwrap_err().to_string();
         assert!(error.contains("x.exr"), "{error}");
     }
@@ -293,10 +293,10 @@ mod tests {
         bytes[18..26].copy_from_slice(&[0, 0x40, 0, 0, 0, 0x40, 0, 0]);
         std::fs::write(&path, bytes).unwrap();
         let mut pictures =
-            Pictures::new(LoadOptions { max_memory: 64 << 20, ..LoadOptions::default() });
+            Pictures::new(&LoadOptions { max_memory: 64 << 20, ..LoadOptions::default() });
         let error = pictures.load(&Disk, &path, LINEAR).unwrap_err().to_string();
         assert!(error.contains("large.bmp") && error.contains("limit"), "{error}");
-        let mut full = Pictures { words: MAX_TEXELS, ..Pictures::new(LoadOptions::default()) };
+        let mut full = Pictures { words: MAX_TEXELS, ..Pictures::new(&LoadOptions::default()) };
         assert!(full.load(&Disk, &path, LINEAR).unwrap_err().to_string().contains("texels"));
     }
 }

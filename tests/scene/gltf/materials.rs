@@ -3,10 +3,12 @@
 use super::assert_warns;
 use glam::{Vec2, Vec3, Vec4};
 use raystream::scene::{
-    Attenuation, Material, Opacity, Principled, Scene, Texels, TextureFilter, TextureId,
+    Attenuation, LoadOptions, Material, Opacity, Principled, Scene, SceneError, Texels,
+    TextureFilter, TextureId,
 };
 use raystream_tests::gltf::{Gltf, png};
 use serde_json::{Value, json};
+use std::path::Path;
 
 const WHITE: [u8; 4] = [255; 4];
 
@@ -325,4 +327,75 @@ fn the_alpha_of_vertices_makes_holes_where_alpha_does() {
     }}));
     assert_eq!(principled(&body).opacity, Opacity::Opaque);
     assert_warns(&body, &["bodies have no holes", "COLOR_0"]);
+}
+
+/// A triangle that is red, but green and blue in variants.
+fn with_variants() -> Gltf {
+    let colour = |rgb: [f32; 3]| {
+        let [r, g, b] = rgb;
+        json!({"pbrMetallicRoughness": {"baseColorFactor": [r, g, b, 1]}})
+    };
+    let mut gltf = with_material(colour([1.0, 0.0, 0.0]));
+    let green = gltf.add("materials", colour([0.0, 1.0, 0.0]));
+    let blue = gltf.add("materials", colour([0.0, 0.0, 1.0]));
+    let named = ["leaf", "sky", "plain"].map(|name| json!({"name": name}));
+    gltf.json["extensions"] = json!({"KHR_materials_variants": {"variants": named}});
+    gltf.json["extensionsUsed"] = json!(["KHR_materials_variants"]);
+    gltf.json["extensionsRequired"] = json!(["KHR_materials_variants"]);
+    gltf.json["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_materials_variants": {
+        "mappings": [{"material": green, "variants": [0]}, {"material": blue, "variants": [1]}],
+    }});
+    gltf
+}
+
+fn in_variant(gltf: &Gltf, variant: Option<&str>) -> Result<Scene, SceneError> {
+    let files = [("a.glb".into(), gltf.glb())].into();
+    let variant = variant.map(str::to_owned);
+    LoadOptions { variant, ..LoadOptions::default() }.load_files(&files, Path::new("a.glb"))
+}
+
+#[test]
+fn a_variant_has_its_own_materials() {
+    let gltf = with_variants();
+    for (variant, expected) in
+        [(None, Vec3::X), (Some("leaf"), Vec3::Y), (Some("sky"), Vec3::Z), (Some("plain"), Vec3::X)]
+    {
+        let scene = in_variant(&gltf, variant).unwrap();
+        assert_eq!(principled(&scene).base_colour, expected, "{variant:?}");
+        assert_eq!(scene.variants, ["leaf", "sky", "plain"]);
+        assert!(!format!("{:?}", scene.warnings).contains("not read"), "{:?}", scene.warnings);
+    }
+}
+
+#[test]
+fn unknown_variants_and_broken_ones_are_errors() {
+    let gltf = with_variants();
+    let error = in_variant(&gltf, Some("Leaf")).unwrap_err().to_string();
+    for part in ["a.glb", "`Leaf`", "`leaf`, `sky`, `plain`"] {
+        assert!(error.contains(part), "{error}");
+    }
+    let ply = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+        property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+        0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let files = [("a.ply".into(), ply.to_vec())].into();
+    let options = LoadOptions { variant: Some("leaf".to_owned()), ..LoadOptions::default() };
+    let error = options.load_files(&files, Path::new("a.ply")).unwrap_err().to_string();
+    assert!(error.contains("`leaf`") && error.contains("none"), "{error}");
+
+    let mappings = "/meshes/0/primitives/0/extensions/KHR_materials_variants/mappings";
+    for (at, value, parts) in [
+        ("/extensions/KHR_materials_variants", json!({}), ["extensions.KHR", "variants"]),
+        ("/extensions/KHR_materials_variants/variants/1", json!({}), ["extensions.KHR", "name"]),
+        (mappings, json!(7), ["primitives[0].extensions", "KHR_materials_variants"]),
+        (&format!("{mappings}/1/variants"), json!([3]), ["mappings[1]", "variants"]),
+        (&format!("{mappings}/1/variants"), json!([-1]), ["primitives[0].extensions", "-1"]),
+        (&format!("{mappings}/0/material"), json!(9), ["mappings[0]", "materials"]),
+    ] {
+        let mut broken = with_variants();
+        *broken.json.pointer_mut(at).unwrap() = value;
+        let error = in_variant(&broken, Some("leaf")).unwrap_err().to_string();
+        for part in parts {
+            assert!(error.contains(part), "{at}: {error}");
+        }
+    }
 }

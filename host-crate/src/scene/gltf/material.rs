@@ -70,7 +70,7 @@ impl<'a> Materials<'a> {
     pub(super) fn new(
         document: &'a Document<'a>,
         source: &'a dyn Source,
-        options: LoadOptions,
+        options: &LoadOptions,
     ) -> Self {
         Self {
             sources: Sources {

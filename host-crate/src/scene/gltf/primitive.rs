@@ -4,6 +4,7 @@ use super::document::Document;
 use super::geometry::Geometry;
 use super::layout::Layout;
 use super::material::{Materials, Surface, VertexColour};
+use super::variants::Variants;
 use crate::scene::bounds::MAX_COORDINATE;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
@@ -109,6 +110,7 @@ impl Primitive<'_, '_> {
     /// Its triangles and what they are made of, in the space of the mesh.
     pub(super) fn shape(
         &self,
+        variants: &Variants,
         materials: &mut Materials<'_>,
         scene: &mut Scene,
         lacks: &mut Lacks,
@@ -137,7 +139,7 @@ impl Primitive<'_, '_> {
         let normals = self.normals(count, &mut has_all_numbers)?;
         let (colour, colours) = self.colours(count)?;
         let has_set = |set: u32| self.attribute(Semantic::TexCoords(set)).is_some();
-        let material = self.json().material.map(|material| material.value());
+        let material = variants.material(self)?;
         let made = materials.surface(material, colour, has_set, &self.place(), scene)?;
         let texture_coordinates = match &made.layout {
             Some(layout) => self.texture_coordinates(layout, count, &mut has_all_numbers)?,

@@ -25,9 +25,9 @@ impl<'a> Textures<'a> {
     pub(super) fn new(
         document: &'a Document<'a>,
         source: &'a dyn Source,
-        options: LoadOptions,
+        options: &LoadOptions,
     ) -> Self {
-        Self { pictures: Pictures::new(options), document, source, options }
+        Self { pictures: Pictures::new(options), document, source, options: options.clone() }
     }
 
     /// The texture `index`, which `place` names for a `material`; none, with a note, if its picture

@@ -86,7 +86,7 @@ impl<'a> Parts<'a> {
         names: Names<'a>,
         (obj_path, obj_text): (&'a Path, &'a [u8]),
         places: Places,
-        options: LoadOptions,
+        options: &LoadOptions,
         pictures: Pictures,
     ) -> Self {
         Self {
@@ -96,7 +96,7 @@ impl<'a> Parts<'a> {
             obj_path,
             obj_text,
             places,
-            options,
+            options: options.clone(),
             library: Library::default(),
             has_colours: false,
             pictures,
@@ -118,7 +118,7 @@ impl<'a> Parts<'a> {
             self.names.source,
             self.obj_path,
             &obj.libraries,
-            self.options,
+            &self.options,
             &mut scene.warnings,
             &mut self.summary,
         )?;

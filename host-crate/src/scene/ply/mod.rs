@@ -40,7 +40,7 @@ pub(in crate::scene) fn is_ply(bytes: &[u8]) -> bool {
 /// Loads a PLY as a scene.
 pub(in crate::scene) fn load(
     file: SceneBytes<'_>,
-    options: LoadOptions,
+    options: &LoadOptions,
 ) -> Result<Scene, SceneError> {
     let path = file.path;
     let geometry = parse(path, file.bytes, true, options.max_memory)?;
