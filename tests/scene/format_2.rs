@@ -36,6 +36,7 @@ fn whole() -> Value {
         "materials": {
             "wall": {"type": "diffuse", "reflectance": [0.5, 0.6, 0.7]},
             "glow": {"type": "principled", "reflectance": {"texture": "t.png"}, "specular": [1, 1, 0],
+                "anisotropy": 0.5, "anisotropy_rotation": 30,
                 "radiance": [2, 3, 4], "textures": {
                     "roughness": {"file": "t.png", "channel": "green"},
                     "metallic": {"file": "t.png", "channel": "blue"},

@@ -131,22 +131,6 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
         value["film"] = json!([named.film.width, named.film.height]);
         value
     });
-    let texture = |texture: &Texture| {
-        json!({
-            "width": texture.width,
-            "height": texture.height,
-            "wrap": texture.wrap.map(wrap_name),
-            "bits": match texture.texels {
-                Texels::Bytes(_) => 8,
-                Texels::Shorts(_) => 16,
-                Texels::Floats(_) => 32,
-            },
-            "filter": match texture.filter {
-                TextureFilter::Linear => "linear",
-                TextureFilter::Nearest => "nearest",
-            },
-        })
-    };
     let environment = scene
         .environment
         .as_ref()
@@ -168,7 +152,7 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
         },
         "bounds": bounds(scene),
         "materials": kinds,
-        "textures": scene.textures.iter().map(texture).collect::<Vec<_>>(),
+        "textures": scene.textures.iter().map(texture_as_json).collect::<Vec<_>>(),
         "lights": {
             "emissive_triangles": emissive_triangles(scene),
             "quads": scene.quad_lights.len(),
@@ -183,6 +167,23 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
         "memory": {"geometry": geometry, "surfaces": surfaces, "textures": textures},
         "warnings": scene.warnings.iter().cloned().chain(prepared.warnings()).collect::<Vec<_>>(),
         "details": scene.details,
+    })
+}
+
+fn texture_as_json(texture: &Texture) -> Value {
+    json!({
+        "width": texture.width,
+        "height": texture.height,
+        "wrap": texture.wrap.map(wrap_name),
+        "bits": match texture.texels {
+            Texels::Bytes(_) => 8,
+            Texels::Shorts(_) => 16,
+            Texels::Floats(_) => 32,
+        },
+        "filter": match texture.filter {
+            TextureFilter::Linear => "linear",
+            TextureFilter::Nearest => "nearest",
+        },
     })
 }
 

@@ -121,8 +121,11 @@ impl Scene {
             checked.map_err(|what| format!("{name} {what}"))
         };
         self.check_maps(material)?;
+        let rotation = bounds::rotation(material.anisotropy.rotation.into());
+        named("anisotropy.rotation", rotation.map(drop))?;
         named("base_colour", bounds::reflectance(&values(material.base_colour)).map(drop))?;
         let shares = [
+            ("anisotropy.strength", material.anisotropy.strength),
             ("metallic", material.metallic),
             ("roughness", material.roughness),
             ("transmission", material.transmission),
@@ -486,6 +489,8 @@ mod tests {
                 });
             }),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.coat = -0.1)),
+            ("materials[0]", &|s| s.materials[0] = paint(|m| m.anisotropy.strength = 1.1)),
+            ("materials[0]", &|s| s.materials[0] = paint(|m| m.anisotropy.rotation = f32::NAN)),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.sheen.x = 1.1)),
             ("materials[0]", &|s| {
                 let map = Some(s.add_texture(number([1e7; 3])));

@@ -62,6 +62,8 @@ pub struct Principled {
     /// Roughness, in [0, 1]: the root of the microfacets' slope. What is below 0.032 counts as
     /// that.
     pub roughness: f32,
+    /// Whether it is rougher along a direction than across.
+    pub anisotropy: Anisotropy,
     /// Index of refraction of what is no metal, in [0.01, 100]: how much a painted surface
     /// reflects, and how glass refracts. What is within 0.001 of 1 counts as 1.001: the microfacets
     /// of a boundary that bends nothing cannot be told from its directions.
@@ -97,6 +99,19 @@ pub struct Principled {
     pub emission: Vec3,
     /// What varies over the surface.
     pub maps: Maps,
+}
+
+/// How a surface is rougher along a direction than across, as brushed metal is. It takes texture
+/// coordinates, which say what is along; without them it has no effect, and none on light that
+/// passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Anisotropy {
+    /// How much, in [0, 1]; 0 for not at all. The slope across is the square of the roughness, that
+    /// along it is nearer to 1 by the square of this (glTF's `KHR_materials_anisotropy`).
+    pub strength: f32,
+    /// The direction that it is rougher along, in degrees from where `u` grows towards where `v`
+    /// grows, in [-1e5, 1e5].
+    pub rotation: f32,
 }
 
 /// What light loses in a body, by Beer's law.
@@ -225,6 +240,7 @@ impl Principled {
             metallic: 0.0,
             conductor: None,
             roughness,
+            anisotropy: Anisotropy::default(),
             ior: 1.5,
             specular: Vec3::ONE,
             transmission: 0.0,
@@ -371,6 +387,11 @@ impl Material {
             Self::Principled(principled) => principled.conductor.is_none(),
             Self::Mirror { .. } | Self::Dielectric { .. } => false,
         }
+    }
+
+    /// Whether it is rougher along a direction than across.
+    pub fn has_grain(&self) -> bool {
+        self.principled().is_some_and(|principled| principled.anisotropy.strength > 0.0)
     }
 
     /// Whether it has a bump map.

@@ -65,8 +65,8 @@ pub use limits::PathLimits;
 pub use load::{embedded, load, load_named};
 pub(crate) use material::distinct_ior;
 pub use material::{
-    Attenuation, Body, BumpMap, Channel, Maps, Material, MaterialId, NormalMap, Opacity,
-    Principled, Reflectance,
+    Anisotropy, Attenuation, Body, BumpMap, Channel, Maps, Material, MaterialId, NormalMap,
+    Opacity, Principled, Reflectance,
 };
 pub use mesh::Mesh;
 pub use metal::{Conductor, Metal};

@@ -52,6 +52,9 @@ pub const WIDE_TEXTURES: u32 = 1 << 12;
 /// Vertices have [colours](crate::scene::triangle::VertexColours).
 pub const VERTEX_COLOURS: u32 = 1 << 13;
 
+/// Principled surfaces are [anisotropic](crate::scene::bsdf::anisotropic).
+pub const ANISOTROPY: u32 = 1 << 14;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

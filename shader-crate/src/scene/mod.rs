@@ -4,7 +4,7 @@
 //! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene | instances
 //! surfaces: triangles, for shading | attributes | materials | lights | albedos of surfaces
 //!           | layers | albedos of boundaries and of sheen, conductors | maps of emission
-//!           | colours of vertices | bodies
+//!           | albedos of anisotropic surfaces | colours of vertices | bodies
 //! texels:   textures, see `texture` | environment, see `environment`
 //! ```
 //!
@@ -77,8 +77,9 @@ device_struct! {
         pub first_instance: u32,
         /// Row of `surfaces` with the first colours of vertices, or [`triangle::NO_COLOURS`].
         pub first_colours: u32,
-        /// Unused; zero.
-        pub pad0: u32,
+        /// Row of `surfaces` with the table of [anisotropic](bsdf::anisotropic) surfaces; 0 if there
+        /// are none.
+        pub first_anisotropic: u32,
         /// Unused; zero.
         pub pad1: u32,
         /// Unused; zero.
@@ -127,6 +128,7 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 first_attributes: params.first_attributes,
                 first_colours: params.first_colours,
                 first_material: params.first_material,
+                first_anisotropic: params.first_anisotropic,
                 first_albedos: params.first_light + params.lights * Light::ROWS,
                 offset_roundings: params.offset_roundings,
                 textures,

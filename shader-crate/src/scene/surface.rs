@@ -5,7 +5,7 @@ use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::math::random::{hash, unit_float};
 use crate::memory::rows::{four_rows, six_rows, three_rows, two_rows};
 use crate::scene::abilities::{
-    Abilities, EMISSION_MAPS, INSTANCES, MEDIA, PRINCIPLED, TEXTURES, VERTEX_COLOURS,
+    ANISOTROPY, Abilities, EMISSION_MAPS, INSTANCES, MEDIA, PRINCIPLED, TEXTURES, VERTEX_COLOURS,
 };
 use crate::scene::bsdf::albedo::{self, AlbedoView};
 use crate::scene::bsdf::layers::Layers;
@@ -38,6 +38,8 @@ pub struct SurfaceView<'a, A> {
     pub first_material: u32,
     /// Row of the tables of principled materials; see [`crate::scene`].
     pub first_albedos: u32,
+    /// Row of the table of [anisotropic](crate::scene::bsdf::anisotropic) surfaces.
+    pub first_anisotropic: u32,
     /// How far rays start from surfaces, see [`crate::scene::ray::OFFSET_ROUNDINGS`].
     pub offset_roundings: f32,
     /// The textures.
@@ -191,7 +193,8 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
     }
 
     fn albedos(&self) -> AlbedoView<'a> {
-        AlbedoView { rows: self.rows, first: self.first_albedos }
+        let Self { first_albedos: first, first_anisotropic: anisotropic, .. } = *self;
+        AlbedoView { rows: self.rows, first, anisotropic }
     }
 
     fn material(&self, index: u32) -> Material {
@@ -235,9 +238,10 @@ impl<'a, F: Abilities> Surface<'a, F> {
         }
         let mut mapped_importance = -1.0;
         let mut shading = geometric;
+        let mut tangent = NO_TANGENT;
         if triangle.attributes != NO_ATTRIBUTES {
             let a = surfaces.attributes(triangle.attributes, place.instance);
-            shading = a.normal(hit, geometric);
+            (shading, tangent) = (a.normal(hit, geometric), a.tangent);
             if surfaces.abilities.has(VERTEX_COLOURS) {
                 material.reflectance *= surfaces.colour(triangle.attributes, hit).truncate();
             }
@@ -269,13 +273,17 @@ impl<'a, F: Abilities> Surface<'a, F> {
         }
         let from_outside = ray.direction.dot(shading) < 0.0;
         let normal = if from_outside { shading } else { -shading };
+        let mut grain = Vec3::ZERO;
+        if surfaces.abilities.has(ANISOTROPY) {
+            grain = layers.grain(tangent, shading);
+        }
         let (albedos, abilities) = (surfaces.albedos(), surfaces.abilities);
         Self {
             point,
             instance: place.instance,
             from_front,
             sides,
-            bsdf: material.bsdf(normal, from_outside, layers, albedos, abilities),
+            bsdf: material.bsdf([normal, grain], from_outside, layers, albedos, abilities),
             emission: material.emission,
             mapped_importance,
         }

@@ -39,6 +39,22 @@ fn options_of_a_texture_move_it() {
 }
 
 #[test]
+fn a_grain_has_the_slopes_that_disneys_model_has() {
+    let scene = scene(SQUARE, "newmtl plain\nPr 0.5\nPm 1\naniso 0.8\nanisor 0.25\n");
+    let Material::Principled(found) = scene.materials[0] else { panic!("{:?}", scene.materials) };
+    let across = found.roughness.powi(2);
+    let along = across + (1.0 - across) * found.anisotropy.strength.powi(2);
+    let aspect = (1.0_f32 - 0.9 * 0.8).sqrt();
+    assert!((across - 0.25 * aspect).abs() < 1e-6 && (along - 0.25 / aspect).abs() < 1e-6);
+    assert_eq!(found.anisotropy.rotation, 90.0);
+    assert!(scene.meshes[0].texture_coordinates.is_some());
+    assert_eq!(scene.warnings, [""; 0]);
+    let bare = SQUARE.replace("f 1/1 2/2 3/3 4/4", "f 1 2 3 4");
+    let bare = self::scene(bare, "newmtl plain\nPr 0.5\nPm 1\naniso 0.8\n");
+    assert_warns(&bare, &["a.obj", "along what these are rougher", "`1 face` of `plain`"]);
+}
+
+#[test]
 fn bump_maps_have_the_height_that_they_say() {
     let with = |lines: &str| {
         loaded(
@@ -237,7 +253,7 @@ fn what_is_left_out_is_said() {
         ("illum 4\nNi 1.5\nTf .1 .6 .1\n", ["filter", "`Tf` of `plain`"]),
         ("Ks .9 .9 .9\nNs 200\n", ["no effect", "`Ks` of `plain`; `Ns` of `plain`"]),
         ("norm n.png\nrefl r.png\n", ["no effect", "`norm` of `plain`; `refl` of `plain`"]),
-        ("Pr 0.3\naniso 1\n", ["no effect", "`aniso` of `plain`"]),
+        ("aniso 1\n", ["no effect", "`aniso` of `plain`"]),
         ("Pr 0.3\nmap_Pr r.png\nd 0.5\n", ["no effect", "`map_Pr` of `plain`"]),
         ("Ke 1 1 1\nmap_Kd t.png\n", ["no effect", "`map_Kd` of `plain`"]),
     ] {

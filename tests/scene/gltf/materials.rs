@@ -3,7 +3,7 @@
 use super::assert_warns;
 use glam::{Vec2, Vec3, Vec4};
 use raystream::scene::{
-    Attenuation, LoadOptions, Material, Opacity, Principled, Scene, SceneError, Texels,
+    Anisotropy, Attenuation, LoadOptions, Material, Opacity, Principled, Scene, SceneError, Texels,
     TextureFilter, TextureId,
 };
 use raystream_tests::gltf::{Gltf, png};
@@ -45,14 +45,14 @@ fn what_paint_and_metal_lack_is_said_once_for_each_kind() {
         "extensions": {
             "KHR_materials_clearcoat":
                 {"clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0}},
-            "KHR_materials_anisotropy": {"anisotropyStrength": 0.5},
+            "KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyTexture": {}},
             "KHR_materials_iridescence": {"iridescenceFactor": 0},
             "KHR_materials_transmission": {"transmissionFactor": 1},
         },
     }));
     let scene = gltf.scene();
     for what in [
-        "surfaces are alike in all directions: `KHR_materials_anisotropy` of `car`",
+        "what textures say of anisotropy is left out",
         "a coat follows the corners' normals: `clearcoatNormalTexture`",
         "what emits is opaque: `alphaMode`",
         "lamps shine from the front alone: `doubleSided`",
@@ -327,6 +327,24 @@ fn the_alpha_of_vertices_makes_holes_where_alpha_does() {
     }}));
     assert_eq!(principled(&body).opacity, Opacity::Opaque);
     assert_warns(&body, &["bodies have no holes", "COLOR_0"]);
+}
+
+#[test]
+fn a_grain_is_read_and_takes_texture_coordinates() {
+    let brushed = json!({"extensions": {"KHR_materials_anisotropy": {
+        "anisotropyStrength": 0.6, "anisotropyRotation": std::f64::consts::FRAC_PI_2,
+    }}});
+    let mut gltf = with_material(brushed);
+    let coordinates = gltf.floats(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    let scene = gltf.scene();
+    let has_coordinates = scene.meshes[0].texture_coordinates.is_some();
+    assert!(has_coordinates == scene.warnings.iter().all(|w| !w.contains("along what")));
+    gltf.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(coordinates);
+    let scene = gltf.scene();
+    let Anisotropy { strength, rotation } = principled(&scene).anisotropy;
+    assert!((strength - 0.6).abs() < 1e-6 && (rotation - 90.0).abs() < 1e-4, "{rotation}");
+    assert!(scene.meshes[0].texture_coordinates.is_some());
+    assert!(!format!("{:?}", scene.warnings).contains("alike in all directions"));
 }
 
 /// A triangle that is red, but green and blue in variants.

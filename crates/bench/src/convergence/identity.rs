@@ -4,8 +4,9 @@ use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
-    Attenuation, BumpMap, Camera, Channel, Conductor, Instance, Lens, Maps, Material, Opacity,
-    Principled, Projection, PunctualLight, Reflectance, Scene, Texels, TextureFilter, TextureId,
+    Anisotropy, Attenuation, BumpMap, Camera, Channel, Conductor, Instance, Lens, Maps, Material,
+    Opacity, Principled, Projection, PunctualLight, Reflectance, Scene, Texels, TextureFilter,
+    TextureId,
 };
 use sha2::{Digest, Sha256};
 
@@ -182,6 +183,10 @@ fn add_layers(hasher: &mut Sha256, material: &Principled) {
     }
     if material.thin_walled {
         hasher.update([1]);
+    }
+    let Anisotropy { strength, rotation } = material.anisotropy;
+    if strength > 0.0 {
+        add(hasher, &[strength, rotation]);
     }
 }
 

@@ -3,12 +3,15 @@
 use super::albedos;
 use super::bump_maps::NormalMaps;
 use crate::scene::{
-    self, Channel, Maps, Material, Opacity, Principled, Reflectance, Scene, TextureId, distinct_ior,
+    self, Anisotropy, Channel, Maps, Material, Opacity, Principled, Reflectance, Scene, TextureId,
+    distinct_ior,
 };
 use glam::{UVec4, Vec3};
 use raystream_shaders::scene::bsdf::albedo;
 use raystream_shaders::scene::bsdf::conductor::Conductor;
-use raystream_shaders::scene::bsdf::layers::{BLEND, Layers, MASK, THIN};
+use raystream_shaders::scene::bsdf::layers::{
+    BLEND, GRAIN_STEPS, Layers, MASK, ROTATION_BIT, STRENGTH_BIT, THIN,
+};
 use raystream_shaders::scene::bsdf::{self, MaterialKind};
 use raystream_shaders::scene::texture::NO_TEXTURE;
 use std::collections::BTreeMap;
@@ -138,12 +141,20 @@ fn layers(principled: &Principled, tables: &mut Tables, places: &[u32]) -> Layer
         coat: principled.coat,
         coat_roughness: principled.coat_roughness,
         sheen_albedos: tables.sheen(principled),
-        flags: opacity | if principled.thin_walled { THIN } else { 0 },
+        flags: opacity | if principled.thin_walled { THIN } else { 0 } | grain(principled),
         alpha,
         cutoff,
         emission_map: place_of(principled.maps.emission),
         conductor: principled.conductor.map_or(0, |metal| tables.conductor(metal)),
     }
+}
+
+/// The bits of [`Layers::flags`] that say how anisotropic a material is.
+fn grain(principled: &Principled) -> u32 {
+    let steps = |share: f32| (share * GRAIN_STEPS as f32).round() as u32;
+    let Anisotropy { strength, rotation } = principled.anisotropy;
+    let turns = rotation / 360.0;
+    steps(strength) << STRENGTH_BIT | steps(turns - turns.floor()).min(GRAIN_STEPS) << ROTATION_BIT
 }
 
 /// The material as the kernels read it.

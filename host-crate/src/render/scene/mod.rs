@@ -1,6 +1,7 @@
 //! A scene in the layout that the kernels read.
 
 mod albedos;
+mod anisotropic_albedos;
 mod bump_maps;
 pub mod bvh;
 pub mod camera;
@@ -30,8 +31,8 @@ use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene, 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::abilities::{
-    ALL, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, INSTANCES, MEDIA,
-    PRINCIPLED, PUNCTUAL, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
+    ALL, ANISOTROPY, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES,
+    INSTANCES, MEDIA, PRINCIPLED, PUNCTUAL, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
 };
 use raystream_shaders::scene::bsdf::{self, layers::Layers};
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
@@ -111,9 +112,16 @@ impl PreparedScene {
         params.environment = environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
             packed.append(&mut texels, lights.environment_chance, ball)
         });
-        let (corners, lights) = (&from.corners, &lights);
-        Parts { corners, materials: &materials, lights, layers: &layers, tables: &tables }
-            .append_to(&mut surfaces, &mut params);
+        let lights = &lights;
+        Parts {
+            corners: &from.corners,
+            materials: &materials,
+            lights,
+            layers: &layers,
+            tables: &tables,
+            has_grain: scene.materials.iter().any(Material::has_grain),
+        }
+        .append_to(&mut surfaces, &mut params);
         let mut prepared = Self {
             geometry,
             surfaces,
@@ -218,6 +226,7 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (lights.table.iter().any(is_punctual), PUNCTUAL),
         (!lights.maps.is_empty(), EMISSION_MAPS),
         (params.first_colours != NO_COLOURS, VERTEX_COLOURS),
+        (any(Material::has_grain), ANISOTROPY),
     ]
     .into_iter()
     .filter(|(uses, _)| *uses)
@@ -231,6 +240,8 @@ struct Parts<'a> {
     lights: &'a Lights,
     layers: &'a [Layers],
     tables: &'a Tables,
+    /// Whether any surface is anisotropic.
+    has_grain: bool,
 }
 
 impl Parts<'_> {
@@ -247,6 +258,9 @@ impl Parts<'_> {
             append(surfaces, &self.tables.rows);
         }
         params.first_emission_map = append(surfaces, &self.lights.maps);
+        if self.has_grain {
+            params.first_anisotropic = append(surfaces, anisotropic_albedos::of_anisotropic());
+        }
         let colours = &self.corners.colours;
         params.first_colours =
             if colours.is_empty() { NO_COLOURS } else { append(surfaces, colours) };

@@ -106,14 +106,13 @@ impl<'a> Materials<'a> {
         }
         let has_alpha = !vertices.is_opaque && self.takes_alpha(&described, place);
         let layout = described.layout().filter(|layout| has_set(layout.set));
-        if layout.is_none() && described.layout().is_some() {
-            self.sources.summary.note(
-                self.sources.document.path,
-                0,
-                Fate::MeanOfTexture,
-                place,
-                &described.name,
-            );
+        let path = self.sources.document.path;
+        let mut note = |fate| self.sources.summary.note(path, 0, fate, place, &described.name);
+        if layout.is_none() && described.layout_of_textures().is_some() {
+            note(Fate::MeanOfTexture);
+        }
+        if layout.is_none() && described.plain.anisotropy.strength > 0.0 {
+            note(Fate::WithoutGrain);
         }
         let colour = vertices.colour.to_array().map(f32::to_bits);
         let key = (material, colour, has_alpha, layout.is_some());

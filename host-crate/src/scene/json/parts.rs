@@ -133,7 +133,7 @@ impl<'a> Parts<'a> {
         };
         let (material, map, surface) = match surface {
             Surface::Null => (None, None, surface),
-            Surface::Plain(id) => (Some(id), None, surface),
+            Surface::Plain(id) => (Some(id), self.map_of_grain(id, part, scene), surface),
             Surface::Textured(mut textured) => {
                 let has_coordinates = part.has_texture_coordinates;
                 let id = self.textured_material(&mut textured, part, scene);
@@ -147,6 +147,21 @@ impl<'a> Parts<'a> {
             return Err(Obj::unusable(self.obj_path, self.obj_text, line));
         }
         self.place(part, material, map.as_ref(), scene)
+    }
+
+    /// Where texture coordinates lie that say along what a material without textures is rougher.
+    fn map_of_grain(&mut self, id: MaterialId, part: &Part, scene: &Scene) -> Option<TextureMap> {
+        if !scene.materials[id.0 as usize].has_grain() {
+            return None;
+        }
+        if !part.has_texture_coordinates {
+            let faces = if part.faces == 1 { "face" } else { "faces" };
+            let thing = format!("{} {faces}", part.faces);
+            let (line, name) = (part.first_line, part.material.to_string());
+            self.summary.note(self.obj_path, line, Fate::WithoutGrain, &thing, &name);
+            return None;
+        }
+        Some(TextureMap::default())
     }
 
     /// Adds a part of this material in all of its places.

@@ -54,8 +54,14 @@ pub(super) struct Slot {
 }
 
 impl Described {
-    /// Where its textures lie.
+    /// Where its textures lie; without any, the first coordinates if they say where its grain runs.
     pub(super) fn layout(&self) -> Option<Layout> {
+        let grain = (self.plain.anisotropy.strength > 0.0).then_some(Layout::FIRST);
+        self.layout_of_textures().or(grain)
+    }
+
+    /// Where its textures lie.
+    pub(super) fn layout_of_textures(&self) -> Option<Layout> {
         let normal = self.normal.map(|(slot, _)| slot);
         let slots = [self.base_colour, self.roughness, normal, self.emission];
         slots.into_iter().flatten().next().map(|slot| slot.layout)

@@ -6,10 +6,10 @@ pub(super) use self::textures::key_of;
 
 use self::textures::{Albedo, TextureKeys};
 use super::values::{
-    AttenuationDistance, Colour, Eta, Extinction, Factor, Ior, Object, Priority, Radiance, Share,
-    present,
+    AttenuationDistance, Colour, Eta, Extinction, Factor, Ior, Object, Priority, Radiance,
+    Rotation, Share, present,
 };
-use crate::scene::material::{Attenuation, Material, Opacity, Principled, Reflectance};
+use crate::scene::material::{Anisotropy, Attenuation, Material, Opacity, Principled, Reflectance};
 use crate::scene::metal::{Conductor, Metal};
 use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::rule::{MaterialRule, Slot, TextureFile, TexturedRule};
@@ -45,6 +45,10 @@ struct MaterialKeys {
     metallic: Option<Share>,
     #[serde(default, deserialize_with = "present")]
     roughness: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    anisotropy: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    anisotropy_rotation: Option<Rotation>,
     #[serde(default, deserialize_with = "present")]
     transmission: Option<Share>,
     #[serde(default, deserialize_with = "present")]
@@ -144,6 +148,9 @@ fn given<const N: usize>(keys: [(&'static str, bool); N]) -> impl Iterator<Item 
     keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
 }
 
+/// The keys that principled materials and conductors have.
+const OF_METAL: [&str; 3] = ["roughness", "anisotropy", "anisotropy_rotation"];
+
 /// The keys that several kinds have.
 const SHARED: [&str; 4] = ["reflectance", "radiance", "ior", "transmittance"];
 
@@ -185,13 +192,16 @@ impl MaterialKeys {
     fn metal(self) -> Result<Material, String> {
         self.refuse("a conductor", &SHARED)?;
         let Share(roughness) = self.roughness.unwrap_or(Share(0.0));
-        Ok(Material::Principled(Principled::conductor(self.conductor()?, roughness)))
+        let anisotropy = self.grain();
+        let metal = Principled::conductor(self.conductor()?, roughness);
+        Ok(Material::Principled(Principled { anisotropy, ..metal }))
     }
 
     /// A texture multiplies a number, which is then 1 unless the file says otherwise.
     fn principled(self) -> Result<Made, String> {
         self.refuse("a principled", &["transmittance"])?;
         let (attenuation, priority) = (self.attenuation()?, self.priority());
+        let anisotropy = self.grain();
         let textures: Vec<_> =
             self.textures.map(|Object(textures)| textures.files().collect()).unwrap_or_default();
         if textures.iter().any(|file| matches!(file.slot, Slot::Bump(_)))
@@ -216,6 +226,7 @@ impl MaterialKeys {
             return Err(what.to_owned());
         }
         let material = Principled {
+            anisotropy,
             attenuation,
             priority,
             metallic: share(self.metallic, metallic),
@@ -263,6 +274,13 @@ impl MaterialKeys {
         }
     }
 
+    fn grain(&self) -> Anisotropy {
+        Anisotropy {
+            strength: self.anisotropy.map_or(0.0, |Share(strength)| strength),
+            rotation: self.anisotropy_rotation.map_or(0.0, |Rotation(degrees)| degrees),
+        }
+    }
+
     /// The keys that are given and that conductors alone have.
     fn of_conductors(&self) -> impl Iterator<Item = &'static str> {
         given([
@@ -282,6 +300,8 @@ impl MaterialKeys {
         given([
             ("metallic", self.metallic.is_some()),
             ("roughness", self.roughness.is_some()),
+            ("anisotropy", self.anisotropy.is_some()),
+            ("anisotropy_rotation", self.anisotropy_rotation.is_some()),
             ("transmission", self.transmission.is_some()),
             ("thin_walled", self.thin_walled.is_some()),
             ("coat", self.coat.is_some()),
@@ -319,7 +339,7 @@ impl MaterialKeys {
         let of_conductors = self.of_conductors().next().filter(|_| !is_conductor);
         let mut of_principled = self.of_principled();
         let other = of_principled
-            .find(|key| !(is_principled || is_conductor && *key == "roughness"))
+            .find(|key| !(is_principled || is_conductor && OF_METAL.contains(key)))
             .or(of_bodies)
             .or(of_conductors);
         match keys.iter().copied().find(|key| is_given(key)).or(other) {

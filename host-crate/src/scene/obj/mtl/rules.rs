@@ -4,7 +4,7 @@ use super::library::{Entry, Library};
 use super::map::MapStatement;
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
-use crate::scene::material::{Material, Principled, Reflectance};
+use crate::scene::material::{Anisotropy, Material, Principled, Reflectance};
 use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::rule::{self, MaterialRule, Otherwise, Slot, TexturedRule};
 use crate::scene::source::{Found, Source, find_foreign};
@@ -286,9 +286,12 @@ impl Entry {
         let exponent = self.hints("ns").first().copied();
         let rough = |ns: f64| 1.0 - (ns / SHARPEST).clamp(0.0, 1.0).sqrt();
         let is_glass = GLASS_MODELS.contains(&model) && self.is_transparent();
+        let roughness = self.share("pr", exponent.map_or(DEFAULT_ROUGHNESS, rough))?;
+        let (roughness, anisotropy) = self.grain(roughness)?;
         Ok(Principled {
             metallic: self.share("pm", 0.0)?,
-            roughness: self.share("pr", exponent.map_or(DEFAULT_ROUGHNESS, rough))?,
+            roughness,
+            anisotropy,
             ior: self.ior()?,
             transmission: f32::from(u8::from(is_glass)),
             coat: self.share("pc", 0.0)?,
@@ -297,6 +300,21 @@ impl Entry {
             emission: self.radiance("ke")?,
             ..Principled::paint(DEFAULT_REFLECTANCE, 0.0)
         })
+    }
+
+    /// What `aniso` makes of a roughness (Burley, "Physically-Based Shading at Disney", 2012): the
+    /// slope along the grain is divided, and that across is multiplied, by the root of `1 - 0.9
+    /// aniso`. `anisor` turns it, by whole turns.
+    fn grain(&self, roughness: f32) -> Result<(f32, Anisotropy), SceneError> {
+        let aniso = self.share("aniso", 0.0)?;
+        if aniso == 0.0 {
+            return Ok((roughness, Anisotropy::default()));
+        }
+        let rotation = 360.0 * self.share("anisor", 0.0)?;
+        let (slope, aspect) = (roughness * roughness, (1.0 - 0.9 * aniso).sqrt());
+        let (along, across) = ((slope / aspect).min(1.0), slope * aspect);
+        let strength = ((along - across) / (1.0 - across).max(f32::MIN_POSITIVE)).sqrt().min(1.0);
+        Ok((across.sqrt(), Anisotropy { strength, rotation }))
     }
 
     /// Whether light passes: by the opacity, or by the filter, or by an index of refraction above 1

@@ -7,8 +7,8 @@ use crate::scene::summary::{Fate, Summary};
 /// Keys of shares and strengths: 0 is as if they were not there.
 const SHARES: [&str; 7] = ["ks", "pm", "ps", "pc", "pcr", "aniso", "anisor"];
 /// What a physically based material reads, or what is there for programs that know none.
-const OF_PRINCIPLED: [&str; 10] =
-    ["kd", "map_kd", "ks", "ns", "pm", "pr", "ps", "pc", "pcr", "illum"];
+const OF_PRINCIPLED: [&str; 12] =
+    ["kd", "map_kd", "ks", "ns", "pm", "pr", "ps", "pc", "pcr", "aniso", "anisor", "illum"];
 const OPACITY_MAPS: [&str; 4] = ["map_d", "map_tr", "map_opacity", "map_alpha"];
 
 const NO_HEIGHT: Fate =
