@@ -1,7 +1,10 @@
 //! Small scenes, made in place.
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
-use raystream::scene::{Anisotropy, Attenuation, Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh, NormalMap, Principled, Projection, PunctualLight, Scene, Texture, TextureId};
+use raystream::scene::{
+    Anisotropy, Attenuation, Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh,
+    NormalMap, Principled, Projection, PunctualLight, Scene, Texture, TextureId,
+};
 
 /// Lambert's law.
 pub fn diffuse(reflectance: f32) -> Material {

@@ -112,16 +112,9 @@ impl PreparedScene {
         params.environment = environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
             packed.append(&mut texels, lights.environment_chance, ball)
         });
-        let lights = &lights;
-        Parts {
-            corners: &from.corners,
-            materials: &materials,
-            lights,
-            layers: &layers,
-            tables: &tables,
-            has_grain: scene.materials.iter().any(Material::has_grain),
-        }
-        .append_to(&mut surfaces, &mut params);
+        let (corners, lights) = (&from.corners, &lights);
+        Parts { corners, materials: &materials, lights, layers: &layers, tables: &tables }
+            .append_to(&mut surfaces, &mut params);
         let mut prepared = Self {
             geometry,
             surfaces,
@@ -240,8 +233,6 @@ struct Parts<'a> {
     lights: &'a Lights,
     layers: &'a [Layers],
     tables: &'a Tables,
-    /// Whether any surface is anisotropic.
-    has_grain: bool,
 }
 
 impl Parts<'_> {
@@ -258,7 +249,7 @@ impl Parts<'_> {
             append(surfaces, &self.tables.rows);
         }
         params.first_emission_map = append(surfaces, &self.lights.maps);
-        if self.has_grain {
+        if self.layers.iter().any(|layers| layers.strength() > 0.0) {
             params.first_anisotropic = append(surfaces, anisotropic_albedos::of_anisotropic());
         }
         let colours = &self.corners.colours;
