@@ -3,7 +3,9 @@
 use glam::{DVec3, Vec2, Vec3};
 use raystream::exec::cpu::CpuExecutor;
 use raystream::render::{PreparedScene, Settings, Techniques};
-use raystream::scene::{Camera, FilmSize, Maps, Material, Mesh, Principled, Scene, Texture};
+use raystream::scene::{
+    Camera, FilmSize, Maps, Material, Mesh, Principled, Scene, Texels, Texture,
+};
 use raystream_shaders::scene::light::{Light, MAPPED};
 use raystream_tests::scenes::{self, add_quad};
 use raystream_tests::statistics::assert_same_expectation;
@@ -65,10 +67,10 @@ fn summed() -> DVec3 {
         let c = f64::from(code) / 255.0;
         if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
     };
-    let texture = picture();
+    let Texels::Bytes(texels) = picture().texels else { panic!("bytes") };
     let texel = |x: i64, y: i64| {
         let (x, y) = (x.rem_euclid(5) as usize, y.rem_euclid(3) as usize);
-        let [r, g, b, _] = texture.texels[y * 5 + x];
+        let [r, g, b, _] = texels[y * 5 + x];
         DVec3::new(decode(r), decode(g), decode(b))
     };
     let radiance = |u: f64, v: f64| {
@@ -144,7 +146,7 @@ fn densities_integrate_to_1() {
 fn a_white_picture_changes_nothing() {
     let mut plain = scene(3);
     let texels = vec![[255; 4]; 15];
-    plain.textures[0] = Texture { texels, ..picture() };
+    plain.textures[0] = Texture::new(5, 3, texels);
     let mapped = plain.clone();
     let Material::Principled(lamp) = &mut plain.materials[1] else { unreachable!() };
     lamp.maps.emission = None;
@@ -156,7 +158,7 @@ fn a_white_picture_changes_nothing() {
 #[test]
 fn a_black_picture_emits_nothing() {
     let mut scene = scene(1);
-    scene.textures[0] = Texture { texels: vec![[0, 0, 0, 255]; 15], ..picture() };
+    scene.textures[0] = Texture::new(5, 3, vec![[0, 0, 0, 255]; 15]);
     let prepared = prepare(&scene);
     assert_eq!(prepared.params.lights, 0);
     assert_eq!(render(&prepared, &settings(&scene), 64).color()[0], Vec3::ZERO);
@@ -185,13 +187,39 @@ fn devices_agree() {
     });
 }
 
+/// What floats have above 1 is chosen and weighed as it is seen.
+#[test]
+fn a_lamp_of_floats_lights_as_the_same_lamp_of_bytes() {
+    let bytes = scenes::picture_lamp(scenes::diffuse(0.6));
+    let mut floats = bytes.clone();
+    let Texels::Bytes(texels) = &bytes.textures[0].texels else { panic!("bytes") };
+    let brighter = |&[r, g, b, _]: &[u8; 4]| {
+        [r, g, b].map(|code| 8.0 * raystream::color::srgb_decode(f64::from(code) / 255.0) as f32)
+    };
+    floats.textures[0].texels = Texels::Floats(texels.iter().map(brighter).collect());
+    for material in &mut floats.materials {
+        if let Material::Principled(principled) = material {
+            principled.emission /= 8.0;
+        }
+    }
+    for techniques in TECHNIQUES {
+        let film = |scene: &Scene, seed| {
+            let settings = Settings { seed, techniques, ..settings(scene) };
+            render(&prepare(scene), &settings, 2048)
+        };
+        let what = format!("{techniques:?}");
+        assert_same_expectation(&film(&bytes, 1), &film(&floats, 2), &what);
+    }
+}
+
 /// The comparisons above can fail.
 #[test]
 #[should_panic(expected = "another picture")]
 fn another_picture_is_noticed() {
     let scene = scenes::picture_lamp(scenes::diffuse(0.6));
     let mut other = scene.clone();
-    other.textures[0].texels[..16].fill([0, 0, 0, 255]);
+    let Texels::Bytes(texels) = &mut other.textures[0].texels else { panic!("bytes") };
+    texels[..16].fill([0, 0, 0, 255]);
     let film =
         |scene: &Scene, seed| render(&prepare(scene), &Settings { seed, ..settings(scene) }, 2048);
     assert_same_expectation(&film(&scene, 1), &film(&other, 2), "another picture");

@@ -15,4 +15,6 @@ mod renders;
 mod slots;
 mod techniques;
 mod tracing;
+mod vertex_colours;
+mod wide_textures;
 mod wrapping;

@@ -337,9 +337,10 @@ fn textures() {
     picture.write_to(&mut std::io::Cursor::new(&mut cut), image::ImageFormat::Png).unwrap();
     cut.truncate(60);
     expect(textured("x.png").with("x.png", cut), &["x.png", "not a usable texture"]);
-    let linear = textured("x.hdr");
-    image::Rgb32FImage::new(4, 4).save(linear.path("x.hdr")).unwrap();
-    expect(linear, &["x.hdr", "sRGB"]);
+    let broken = textured("x.hdr").with("x.hdr", "#?RADIANCE\nno picture");
+    expect(broken, &["x.hdr", "not a usable texture"]);
+    let magic = [0x76, 0x2f, 0x31, 0x01];
+    expect(textured("x.exr").with("x.exr", magic), &["x.exr"]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use raystream::scene::{
     Instancing, Lens, LoadOptions, Material, MaterialId, Mesh, Principled, Projection,
-    PunctualLight, Scene,
+    PunctualLight, Scene, TextureFilter, TextureId,
 };
 use raystream_tests::scene_folder::SceneFolder;
 use serde_json::{Value, json};
@@ -36,6 +36,7 @@ fn whole() -> Value {
         "materials": {
             "wall": {"type": "diffuse", "reflectance": [0.5, 0.6, 0.7]},
             "glow": {"type": "principled", "reflectance": {"texture": "t.png"}, "specular": [1, 1, 0],
+                "anisotropy": 0.5, "anisotropy_rotation": 30,
                 "radiance": [2, 3, 4], "textures": {
                     "roughness": {"file": "t.png", "channel": "green"},
                     "metallic": {"file": "t.png", "channel": "blue"},
@@ -249,6 +250,21 @@ fn without_texture_coordinates_the_means_are_shown() {
     );
 }
 
+#[test]
+fn textures_are_shown_in_whole_texels_where_that_is_asked_for() {
+    let mut scene = whole();
+    let glow = scene.pointer_mut("/materials/glow").unwrap();
+    glow["reflectance"]["filter"] = json!("nearest");
+    glow["textures"]["emission"]["filter"] = json!("nearest");
+    glow["textures"]["roughness"]["filter"] = json!("linear");
+    let scene = load(&scene);
+    let filters: Vec<_> = scene.textures.iter().map(|texture| texture.filter).collect();
+    assert_eq!(filters, [TextureFilter::Nearest, TextureFilter::Linear], "each is read once");
+    let Material::Principled(Principled { maps, .. }) = material(&scene, 3) else { panic!() };
+    let found = [maps.base_colour, maps.emission, maps.roughness.map(|map| map.texture)];
+    assert_eq!(found, [Some(TextureId(0)), Some(TextureId(0)), Some(TextureId(1))]);
+}
+
 /// Puts each value at its place in a scene, and asserts that the error says all its parts.
 fn assert_named(cases: &[(&str, Value, &[&str])]) {
     for (at, value, parts) in cases {
@@ -290,6 +306,26 @@ fn what_is_wrong_with_meshes_and_materials_is_named() {
             "/materials/glow/textures/metallic/channel",
             json!("grey"),
             &["unknown variant `grey`", "`red`"],
+        ),
+        (
+            "/materials/glow/textures/emission/filter",
+            json!("cubic"),
+            &["unknown variant `cubic`", "`nearest`"],
+        ),
+        (
+            "/materials/glow/textures/bump",
+            json!({"file": "t.png"}),
+            &["materials.glow", "missing field `height`"],
+        ),
+        (
+            "/materials/glow/textures/bump",
+            json!({"file": "t.png", "height": 1e5}),
+            &["height", "must be from -10000"],
+        ),
+        (
+            "/materials/glow/textures/bump",
+            json!({"file": "t.png", "height": 1}),
+            &["materials.glow", "`normal` or `bump`, not both"],
         ),
         ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
     ]);
@@ -360,6 +396,9 @@ fn keys_of_the_reader(at: &str) -> BTreeSet<String> {
     if at == "/environment/sky" {
         scene["environment"]["sky"] = json!({});
     }
+    if at == "/materials/glow/textures/bump" {
+        scene["materials"]["glow"]["textures"]["bump"] = json!({});
+    }
     // Alone, so that it is the first one that is read.
     *scene.pointer_mut(at).unwrap() = json!({"zzz": 0});
     if at.is_empty() {
@@ -387,6 +426,7 @@ fn the_schema_has_the_keys_of_the_reader() {
         ("/materials/glow/textures", "textures"),
         ("/materials/glow/textures/roughness", "channel_texture"),
         ("/materials/glow/textures/normal", "normal_texture"),
+        ("/materials/glow/textures/bump", "bump_texture"),
         ("/materials/glow/textures/emission", "emission_texture"),
         ("/quads/0", "quad"),
         ("/lights/0", "light"),

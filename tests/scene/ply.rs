@@ -1,6 +1,6 @@
 //! PLY files become meshes.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use raystream::scene::{LoadOptions, Material, Scene, SceneError};
 use raystream_tests::scene_folder::SceneFolder;
 use serde_json::json;
@@ -62,7 +62,7 @@ fn all_encodings_are_one() {
         assert_eq!(load(&binary(is_big)).unwrap().meshes, scene.meshes);
     }
     let warnings = format!("{:?}", scene.warnings);
-    for said in ["element edge", "colours of vertices are left out: 5", "no camera", "no light"] {
+    for said in ["element edge", "no camera", "no light"] {
         assert!(warnings.contains(said), "{warnings}");
     }
     assert_eq!(scene.check(), Ok(()));
@@ -109,6 +109,40 @@ fn errors_say_where_a_file_is_wrong() {
     for length in 0..bytes.len() {
         assert!(load(&bytes[..length]).is_err(), "{length}");
     }
+}
+
+#[test]
+fn colours_are_srgb_of_any_type() {
+    let with = |kind: &str, rows: [&str; 3]| {
+        let properties = ["red", "green", "blue"].map(|name| format!("property {kind} {name}\n"));
+        let [a, b, c] = rows;
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+             property float z\n{}element face 1\nproperty list uchar int vertex_indices\n\
+             end_header\n0 0 0 {a}\n1 0 0 {b}\n0 1 0 {c}\n3 0 1 2\n",
+            properties.concat()
+        );
+        load(text.as_bytes()).unwrap()
+    };
+    let decoded = |code: f32| ((code + 0.055) / 1.055).powf(2.4);
+    for (kind, rows) in [
+        ("uchar", ["255 0 0", "0 51 255", "255 255 255"]),
+        ("ushort", ["65535 0 0", "0 13107 65535", "65535 65535 65535"]),
+        ("float", ["1 0 0", "0 0.2 1", "1 7 1"]),
+    ] {
+        let scene = with(kind, rows);
+        let [a, b, c] = scene.meshes[0].colours.as_ref().unwrap()[0];
+        assert_eq!((a, c), (Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::ONE), "{kind}");
+        assert!((b - Vec4::new(0.0, decoded(0.2), 1.0, 1.0)).length() < 1e-6, "{kind}: {b}");
+        assert_eq!(scene.materials, [Material::diffuse(Vec3::ONE)]);
+        assert!(!format!("{:?}", scene.warnings).contains("alpha"));
+    }
+    let clear = ASCII.replace("uchar red", "uchar alpha");
+    assert!(!format!("{:?}", load(clear.as_bytes()).unwrap().warnings).contains("alpha"));
+    let clear = clear.replace("0 0 0 0 0 1 0 0 255", "0 0 0 0 0 1 0 0 25");
+    assert!(
+        format!("{:?}", load(clear.as_bytes()).unwrap().warnings).contains("alpha of vertices")
+    );
 }
 
 #[test]

@@ -10,8 +10,8 @@ use raystream_shaders::scene::texture::NO_TEXTURE;
 /// A material that looks nothing up, at a point with this shading `normal`, which is on the side
 /// that the path came from: `from_outside` says whether that is the front.
 pub fn bsdf(material: &Material, normal: Vec3, from_outside: bool) -> Bsdf<'static, Fixed<BASIC>> {
-    let albedos = AlbedoView { rows: &[], first: 0 };
-    material.bsdf(normal, from_outside, Layers::NONE, albedos, Fixed)
+    let albedos = AlbedoView { rows: &[], first: 0, anisotropic: 0 };
+    material.bsdf([normal, Vec3::ZERO], from_outside, Layers::NONE, albedos, Fixed)
 }
 
 /// Lambert's law.

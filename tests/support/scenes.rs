@@ -2,8 +2,8 @@
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use raystream::scene::{
-    Attenuation, Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh, NormalMap,
-    Principled, Projection, PunctualLight, Scene, Texture, TextureId,
+    Anisotropy, Attenuation, Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh,
+    NormalMap, Principled, Projection, PunctualLight, Scene, Texture, TextureId,
 };
 
 /// Lambert's law.
@@ -179,7 +179,7 @@ pub fn drink() -> Scene {
 
 /// The [`room`] whose block and whose ball of `ball`'s material are instances: turned, stretched and
 /// mirrored, several of each. The balls are of few triangles, smooth by their normals, and have a
-/// map of normals if `ball` is principled.
+/// map of normals and a grain if `ball` is principled.
 pub fn instanced(ball: Material) -> Scene {
     let mut scene = room(ball, 1.0);
     let mut round = scene.meshes.pop().expect("there is a ball");
@@ -191,6 +191,7 @@ pub fn instanced(ball: Material) -> Scene {
         let bumps = TextureId(scene.textures.len() as u32 - 1);
         let normal = Some(NormalMap { texture: bumps, scale: 1.0 });
         principled.maps = Maps { normal, ..principled.maps };
+        principled.anisotropy = Anisotropy { strength: 0.6, rotation: 30.0 };
     }
     let middle = Vec3::new(0.68, 0.22, 0.6);
     for position in &mut round.positions {

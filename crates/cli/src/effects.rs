@@ -228,8 +228,8 @@ mod tests {
         "environment_rotation",
         "environment_strength",
         "film",
-        "filter",
         "films",
+        "filter",
         "filters",
         "fps",
         "frames",
@@ -265,6 +265,7 @@ mod tests {
         "threads",
         "time",
         "truth_spp",
+        "variant",
         "verbose",
         "version",
     ];

@@ -5,7 +5,7 @@ use super::loading::LoadArguments;
 use super::output::print_line;
 use clap::Args;
 use raystream::render::{BvhQuality, PreparedScene};
-use raystream::scene::{Material, Mesh, Projection, Scene, Texture, Wrap};
+use raystream::scene::{Material, Mesh, Projection, Scene, Texels, Texture, TextureFilter, Wrap};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -131,13 +131,6 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
         value["film"] = json!([named.film.width, named.film.height]);
         value
     });
-    let texture = |texture: &Texture| {
-        json!({
-            "width": texture.width,
-            "height": texture.height,
-            "wrap": texture.wrap.map(wrap_name),
-        })
-    };
     let environment = scene
         .environment
         .as_ref()
@@ -159,7 +152,7 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
         },
         "bounds": bounds(scene),
         "materials": kinds,
-        "textures": scene.textures.iter().map(texture).collect::<Vec<_>>(),
+        "textures": scene.textures.iter().map(texture_as_json).collect::<Vec<_>>(),
         "lights": {
             "emissive_triangles": emissive_triangles(scene),
             "quads": scene.quad_lights.len(),
@@ -170,9 +163,27 @@ fn as_json(scene: &Scene, prepared: &PreparedScene) -> Value {
         "camera": camera(&scene.camera),
         "camera_is_in_body": is_in_body(prepared),
         "cameras": cameras.collect::<Vec<_>>(),
+        "variants": scene.variants,
         "memory": {"geometry": geometry, "surfaces": surfaces, "textures": textures},
         "warnings": scene.warnings.iter().cloned().chain(prepared.warnings()).collect::<Vec<_>>(),
         "details": scene.details,
+    })
+}
+
+fn texture_as_json(texture: &Texture) -> Value {
+    json!({
+        "width": texture.width,
+        "height": texture.height,
+        "wrap": texture.wrap.map(wrap_name),
+        "bits": match texture.texels {
+            Texels::Bytes(_) => 8,
+            Texels::Shorts(_) => 16,
+            Texels::Floats(_) => 32,
+        },
+        "filter": match texture.filter {
+            TextureFilter::Linear => "linear",
+            TextureFilter::Nearest => "nearest",
+        },
     })
 }
 
@@ -238,6 +249,7 @@ fn lines(scene: &Scene, prepared: &PreparedScene) -> Vec<String> {
         let (name, film) = (&camera.name, camera.film);
         lines.push(format!("--camera    {name}: {}x{} pixels", film.width, film.height));
     }
+    lines.extend(scene.variants.iter().map(|name| format!("--variant   {name}")));
     let [geometry, surfaces, textures] = memory(prepared).map(mebibytes);
     lines.push(format!(
         "memory      {geometry} of geometry, {surfaces} of surfaces, {textures} of textures"

@@ -27,6 +27,10 @@ pub struct LoadArguments {
     /// Show a glTF at this time of its first animation: nodes, skins and morph targets.
     #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
     pub at: Option<Duration>,
+    /// Show a glTF in this variant of its materials, by its name [default: those that it has
+    /// without one; `raystream inspect` lists them].
+    #[arg(long, value_name = "NAME")]
+    variant: Option<String>,
     #[command(flatten)]
     environment: EnvironmentArguments,
     #[command(flatten)]
@@ -75,7 +79,7 @@ struct EnvironmentArguments {
 
 impl EnvironmentArguments {
     /// Gives the scene the environment that was asked for.
-    fn light(&self, scene: &mut Scene, options: LoadOptions) -> Result<(), SceneError> {
+    fn light(&self, scene: &mut Scene, options: &LoadOptions) -> Result<(), SceneError> {
         let (environment, warnings) = match (&self.environment, self.sky) {
             (Some(path), _) => options.load_environment(path)?,
             (None, Some(elevation)) => (Sky::new(elevation).environment(), Vec::new()),
@@ -114,6 +118,7 @@ impl LoadArguments {
             max_memory: (self.max_memory * GIB) as u64,
             instancing: self.instances,
             at: self.at,
+            variant: self.variant.clone(),
         };
         let _waiting = Waiting::start(quiet, format!("loading {}", name.display()));
         let mut scene = match name.to_str() {
@@ -125,7 +130,7 @@ impl LoadArguments {
             scene.use_camera(camera)?;
         }
         self.view.change(&mut scene.camera);
-        self.environment.light(&mut scene, options)?;
+        self.environment.light(&mut scene, &options)?;
         Ok(scene)
     }
 }

@@ -8,8 +8,8 @@ use super::instance::Instance;
 use super::material::{Attenuation, Maps, Material, Opacity, Principled, Reflectance};
 use super::mesh::Mesh;
 use super::metal::Conductor;
-use super::texture::Texture;
-use glam::{DVec3, Vec3};
+use super::texture::{Texels, Texture, TextureId, Wrap};
+use glam::{DVec3, Vec3, Vec4};
 use raystream_shaders::scene::media::MOST_BODIES;
 
 /// What is wrong with a scene.
@@ -76,11 +76,16 @@ impl Scene {
         let mut texels = self.environment.as_ref().map_or(0, |e| e.texels.len());
         for (index, texture) in self.textures.iter().enumerate() {
             check_texture(texture).map_err(at(&format!("textures[{index}]")))?;
-            texels += texture.texels.len();
+            texels += texture.texels.words();
         }
+        // Each becomes a map of normals.
+        let bumps = self.materials.iter().filter_map(|m| m.principled()?.maps.bump);
+        let sizes = bumps.filter_map(|map| self.textures.get(map.texture.0 as usize));
+        texels += sizes.map(|texture| 2 * texture.texels.len()).sum::<usize>();
         if texels > MAX_TEXELS {
-            let what =
-                format!("have {texels} texels together, but a scene has at most {MAX_TEXELS}");
+            let what = format!(
+                "have {texels} texels of 4 bytes together, but a scene has at most {MAX_TEXELS}"
+            );
             return Err(at("textures")(what));
         }
         Ok(())
@@ -115,17 +120,12 @@ impl Scene {
         let named = |name: &str, checked: Result<(), String>| {
             checked.map_err(|what| format!("{name} {what}"))
         };
-        for texture in material.maps.textures() {
-            in_range("texture", texture.0, self.textures.len(), "textures")?;
-        }
-        for map in [material.maps.roughness, material.maps.metallic].into_iter().flatten() {
-            in_range("channel", map.channel, 4, "channels")?;
-        }
-        if let Some(map) = material.maps.normal {
-            named("normal.scale", bounds::scale(map.scale.into()).map(drop))?;
-        }
+        self.check_maps(material)?;
+        let rotation = bounds::rotation(material.anisotropy.rotation.into());
+        named("anisotropy.rotation", rotation.map(drop))?;
         named("base_colour", bounds::reflectance(&values(material.base_colour)).map(drop))?;
         let shares = [
+            ("anisotropy.strength", material.anisotropy.strength),
             ("metallic", material.metallic),
             ("roughness", material.roughness),
             ("transmission", material.transmission),
@@ -163,6 +163,40 @@ impl Scene {
         named("emission", radiance(material.emission).map(drop))
     }
 
+    fn check_maps(&self, material: &Principled) -> Result<(), String> {
+        for texture in material.maps.textures() {
+            in_range("texture", texture.0, self.textures.len(), "textures")?;
+        }
+        for map in [material.maps.roughness, material.maps.metallic].into_iter().flatten() {
+            in_range("channel", map.channel, 4, "channels")?;
+        }
+        if let Some(TextureId(map)) = material.maps.emission {
+            let brightest = f64::from(self.textures[map as usize].brightest());
+            let most = f64::from(material.emission.max_element()) * brightest;
+            if most > bounds::MAX_RADIANCE {
+                let most_allowed = bounds::MAX_RADIANCE;
+                return Err(format!(
+                    "emission times that of its texture must be at most {most_allowed:e}, is {most:e}"
+                ));
+            }
+        }
+        if let Some(map) = material.maps.normal {
+            bounds::scale(map.scale.into()).map_err(|what| format!("normal.scale {what}"))?;
+        }
+        if let Some(map) = material.maps.bump {
+            bounds::scale(map.height.into()).map_err(|what| format!("bump.height {what}"))?;
+            if material.maps.normal.is_some() {
+                return Err("has maps of normals and of heights; it may have one of them".into());
+            }
+            if self.textures[map.texture.0 as usize].wrap.contains(&Wrap::Mirror) {
+                return Err(
+                    "bump.texture runs back beyond its edges; it may repeat or clamp".into()
+                );
+            }
+        }
+        Ok(())
+    }
+
     fn check_mesh(&self, mesh: &Mesh) -> Result<(), InvalidScene> {
         in_range("material", mesh.material.0, self.materials.len(), "materials")
             .map_err(at("material"))?;
@@ -185,7 +219,7 @@ impl Scene {
             let what = "are needed, since the material has a texture".to_owned();
             return Err(at("texture_coordinates")(what));
         }
-        Ok(())
+        check_colours(mesh, material)
     }
 
     fn check_quad_lights(&self) -> Result<(), InvalidScene> {
@@ -290,7 +324,7 @@ fn check_body(
 }
 
 fn check_texture(texture: &Texture) -> Result<(), String> {
-    let Texture { width, height, texels, wrap: _ } = texture;
+    let Texture { width, height, texels, wrap: _, filter: _ } = texture;
     if [width, height].iter().any(|side| !(1..=MAX_TEXTURE_SIDE).contains(side)) {
         return Err(format!(
             "width and height must be from 1 to {MAX_TEXTURE_SIDE} texels, are {width} and {height}"
@@ -299,6 +333,11 @@ fn check_texture(texture: &Texture) -> Result<(), String> {
     let wanted = *width as usize * *height as usize;
     if texels.len() != wanted {
         return Err(format!("{width}x{height} texels are {wanted}, not {}", texels.len()));
+    }
+    if let Texels::Floats(texels) = texels {
+        for (index, texel) in texels.iter().enumerate() {
+            radiance(Vec3::from(*texel)).map_err(|what| format!("texels[{index}] {what}"))?;
+        }
     }
     Ok(())
 }
@@ -327,6 +366,26 @@ fn check_normals(mesh: &Mesh) -> Result<(), InvalidScene> {
     }
 }
 
+fn check_colours(mesh: &Mesh, material: &Material) -> Result<(), InvalidScene> {
+    let Some(colours) = &mesh.colours else { return Ok(()) };
+    check_count("colours", colours.len(), mesh)?;
+    if !material.takes_colours() {
+        let what = "are there, but the material has no colour that they could multiply".to_owned();
+        return Err(at("colours")(what));
+    }
+    let is_share = |colour: &Vec4| colour.cmpge(Vec4::ZERO).all() && colour.cmple(Vec4::ONE).all();
+    if let Some(index) = colours.iter().position(|corners| !corners.iter().all(is_share)) {
+        let what = format!("must be from 0 to 1, are {:?}", colours[index]);
+        return Err(at(&format!("colours[{index}]"))(what));
+    }
+    let is_opaque = colours.as_flattened().iter().all(|colour| colour.w == 1.0);
+    if material.has_holes() && material.body().is_some() && !is_opaque {
+        let what = "have alpha, but the material bounds a body, which has no holes".to_owned();
+        return Err(at("colours")(what));
+    }
+    Ok(())
+}
+
 fn check_texture_coordinates(mesh: &Mesh) -> Result<(), InvalidScene> {
     let Some(coordinates) = &mesh.texture_coordinates else { return Ok(()) };
     check_count("texture_coordinates", coordinates.len(), mesh)?;
@@ -349,9 +408,8 @@ mod tests {
     use crate::scene::camera::Camera;
     use crate::scene::environment::Environment;
     use crate::scene::light::QuadLight;
-    use crate::scene::material::MaterialId;
+    use crate::scene::material::{BumpMap, MaterialId, NormalMap};
     use crate::scene::metal::Metal;
-    use crate::scene::texture::TextureId;
     use glam::Vec2;
 
     /// A triangle under a lamp.
@@ -396,6 +454,10 @@ mod tests {
         Texture::new(width, 1, vec![[0; 4]; texels])
     }
 
+    fn number(texel: [f32; 3]) -> Texture {
+        Texture::of(1, 1, Texels::Floats(vec![texel]))
+    }
+
     /// Paint with something changed.
     fn paint(change: impl Fn(&mut Principled)) -> Material {
         let mut material = Principled::paint(Vec3::ONE, 0.5);
@@ -411,8 +473,29 @@ mod tests {
             ("materials[0]", &|s| s.materials[0] = Material::glass(0.0)),
             ("materials[0]", &|s| s.materials[0] = Material::emissive(NAN)),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.roughness = 1.1)),
+            ("materials[0]", &|s| {
+                let texture = s.add_texture(texture(1, 1));
+                s.materials[0] = paint(|m| m.maps.bump = Some(BumpMap { texture, height: 1e5 }));
+            }),
+            ("materials[0]", &|s| {
+                let texture = s.add_texture(Texture { wrap: [Wrap::Mirror; 2], ..texture(1, 1) });
+                s.materials[0] = paint(|m| m.maps.bump = Some(BumpMap { texture, height: 1.0 }));
+            }),
+            ("materials[0]", &|s| {
+                let texture = s.add_texture(texture(1, 1));
+                s.materials[0] = paint(|m| {
+                    m.maps.bump = Some(BumpMap { texture, height: 1.0 });
+                    m.maps.normal = Some(NormalMap { texture, scale: 1.0 });
+                });
+            }),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.coat = -0.1)),
+            ("materials[0]", &|s| s.materials[0] = paint(|m| m.anisotropy.strength = 1.1)),
+            ("materials[0]", &|s| s.materials[0] = paint(|m| m.anisotropy.rotation = f32::NAN)),
             ("materials[0]", &|s| s.materials[0] = paint(|m| m.sheen.x = 1.1)),
+            ("materials[0]", &|s| {
+                let map = Some(s.add_texture(number([1e7; 3])));
+                s.materials[0] = paint(|m| (m.emission, m.maps.emission) = (Vec3::splat(1e6), map));
+            }),
             ("materials[0]", &|s| {
                 s.materials[0] = Material::Principled(Principled::metal(NAN, 0.1));
             }),
@@ -481,6 +564,8 @@ mod tests {
             ("background", &|s| s.background = Vec3::NEG_X),
             ("textures[0]", &|s| s.textures.push(texture(0, 0))),
             ("textures[0]", &|s| s.textures.push(texture(2, 1))),
+            ("textures[0]", &|s| s.textures.push(number([0.0, -1.0, 0.0]))),
+            ("textures[0]", &|s| s.textures.push(number([f32::NAN; 3]))),
             ("quad_lights[0]", &|s| s.quad_lights[0].v = s.quad_lights[0].u),
             ("quad_lights[0].radiance", &|s| s.quad_lights[0].radiance = NAN),
         ]);
@@ -496,6 +581,20 @@ mod tests {
             ("meshes[0].normals[0]", &|s| s.meshes[0].normals = Some(vec![[Vec3::ONE; 3]])),
             ("meshes[0].texture_coordinates[0]", &|s| {
                 s.meshes[0].texture_coordinates = Some(vec![[Vec2::INFINITY; 3]]);
+            }),
+            ("meshes[0].colours", &|s| s.meshes[0].colours = Some(Vec::new())),
+            ("meshes[0].colours[0]", &|s| {
+                s.meshes[0].colours = Some(vec![[Vec4::ONE, Vec4::NAN, Vec4::ONE]]);
+            }),
+            ("meshes[0].colours", &|s| {
+                s.materials[0] = Material::mirror(Vec3::ONE);
+                s.meshes[0].colours = Some(vec![[Vec4::ONE; 3]]);
+            }),
+            ("meshes[0].colours", &|s| {
+                s.materials[0] = paint(|m| {
+                    (m.transmission, m.opacity) = (1.0, Opacity::Blend { alpha: 1.0 });
+                });
+                s.meshes[0].colours = Some(vec![[Vec4::splat(0.5); 3]]);
             }),
             ("meshes[0].texture_coordinates", &|s| {
                 let texture = s.add_texture(texture(1, 1));

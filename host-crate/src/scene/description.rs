@@ -30,6 +30,11 @@ pub struct Scene {
     pub camera: Camera,
     /// The cameras that may take its place, see [`Scene::use_camera`].
     pub cameras: Vec<NamedCamera>,
+    /// The names of the variants of its materials that the file has; [`LoadOptions::variant`] says
+    /// which one is shown.
+    ///
+    /// [`LoadOptions::variant`]: super::LoadOptions::variant
+    pub variants: Vec<String>,
     /// How long paths may be.
     pub limits: PathLimits,
     /// Radiance from where there is no surface, linear Rec.709, each component in [0, 1e12].
@@ -69,6 +74,7 @@ impl Scene {
             film,
             camera,
             cameras: Vec::new(),
+            variants: Vec::new(),
             limits: PathLimits::default(),
             background: Vec3::ZERO,
             environment: None,

@@ -3,14 +3,13 @@
 use super::bounds::{self, MAX_TEXELS, MAX_TEXTURE_SIDE};
 use super::error::SceneError;
 use super::options::LoadOptions;
+use super::radiances::{EXR, mend};
 use super::source::{Disk, Source};
 use glam::Vec3;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
 
-/// How EXR files begin.
-const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// How Radiance HDR files begin.
 const HDR: &[u8] = b"#?";
 
@@ -152,46 +151,4 @@ fn from_exr(path: &Path, bytes: &[u8]) -> Result<(Environment, Vec<String>), Sce
 fn from_exr(path: &Path, _: &[u8]) -> Result<(Environment, Vec<String>), SceneError> {
     let what = "an EXR file takes the feature `exr`".to_owned();
     Err(SceneError::Environment { path: path.to_owned(), what })
-}
-
-/// Makes radiances of all texels, and says so if some were none.
-fn mend(texels: &mut [Vec3]) -> Option<String> {
-    let components = texels.iter().flat_map(Vec3::to_array);
-    let brightest =
-        components.filter(|c| f64::from(*c) <= bounds::MAX_RADIANCE).fold(0.0, f32::max);
-    let mut mended = 0;
-    for texel in texels.iter_mut() {
-        let fine = texel.to_array().map(|component| {
-            if component.is_nan() { 0.0 } else { component.clamp(0.0, brightest) }
-        });
-        if fine != texel.to_array() {
-            mended += 1;
-            *texel = Vec3::from_array(fine);
-        }
-    }
-    (mended > 0).then(|| {
-        format!(
-            "{mended} texels are no radiances: what is negative or not a number is black, what is \
-             infinite as bright as the brightest of the others, {brightest}."
-        )
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_no_radiance_is_mended_and_said() {
-        let mut texels = vec![
-            Vec3::new(1.0, 2.0, 3.0),
-            Vec3::new(f32::NAN, -1.0, f32::INFINITY),
-            Vec3::new(f32::NEG_INFINITY, 0.0, 0.5),
-        ];
-        let warning = mend(&mut texels).unwrap();
-        assert!(warning.starts_with("2 texels") && warning.contains("others, 3."), "{warning}");
-        let expected = [Vec3::new(1.0, 2.0, 3.0), Vec3::Z * 3.0, Vec3::Z * 0.5];
-        assert_eq!(texels, expected);
-        assert_eq!(mend(&mut texels), None);
-    }
 }

@@ -158,6 +158,16 @@ pub enum SceneError {
         /// The names that there are.
         known: Vec<String>,
     },
+    /// A scene has no variant of that name.
+    #[error("{}: no variant is called `{name}`; the file has {}", .path.display(), list(.known))]
+    UnknownVariant {
+        /// The file.
+        path: PathBuf,
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: Vec<String>,
+    },
     /// A value of a material in an MTL file is malformed or out of range.
     #[error(
         "{}, line {line}: material `{material}`, {key}: {what}; correct it, or override the material in the scene file",
@@ -183,13 +193,13 @@ pub enum SceneError {
         /// What the decoder says.
         source: image::ImageError,
     },
-    /// A texture holds linear (floating-point) values.
-    #[error(
-        "{}: not a usable texture: a reflectance is an sRGB picture of integers; save it as PNG", .path.display()
-    )]
-    LinearTexture {
+    /// A texture is of no use.
+    #[error("{}: not a usable texture: {what}", .path.display())]
+    UnusableTexture {
         /// The picture file.
         path: PathBuf,
+        /// What is wrong.
+        what: String,
     },
     /// An environment is of no use.
     #[error("{}: not a usable environment: {what}", .path.display())]
@@ -206,11 +216,11 @@ pub enum SceneError {
         source: Box<crate::image::ImageError>,
     },
     /// All textures together are too large.
-    #[error("{}: with this texture the scene has more than {limit} texels; use smaller textures", .path.display())]
+    #[error("{}: with this texture the scene has more than {limit} texels of 4 bytes (those of 16 bits a channel have 8, of floats 12); use smaller textures", .path.display())]
     TooManyTexels {
         /// The texture that was one too many.
         path: PathBuf,
-        /// The most texels that a scene may have.
+        /// The most texels of 4 bytes that a scene may have.
         limit: usize,
     },
     /// No scene of that name ships with the program.

@@ -13,7 +13,7 @@ use std::path::Path;
 pub(super) fn load_from(
     source: &dyn Source,
     path: &Path,
-    options: LoadOptions,
+    options: &LoadOptions,
 ) -> Result<Scene, SceneError> {
     let limit =
         if by_ending(path).is_some() { options.geometry_bytes() } else { options.text_bytes() };
@@ -26,7 +26,7 @@ pub(super) fn load_from(
 pub(super) fn load_bytes(
     source: &dyn Source,
     file: SceneBytes<'_>,
-    options: LoadOptions,
+    options: &LoadOptions,
 ) -> Result<Scene, SceneError> {
     let (format, name) = (Format::of(file.path, file.bytes), file.path.display());
     let mut scene = match format {
@@ -34,6 +34,10 @@ pub(super) fn load_bytes(
         Format::Gltf => gltf::load(source, file, options),
         Format::Ply => ply::load(file, options),
     }?;
+    if let Some(variant) = options.variant.as_ref().filter(|_| format != Format::Gltf) {
+        let (path, known) = (file.path.to_owned(), Vec::new());
+        return Err(SceneError::UnknownVariant { path, name: variant.clone(), known });
+    }
     if options.at.is_some() && format != Format::Gltf {
         let what = "nothing in it moves: whatever the time, it is shown as it stands";
         scene.warnings.push(format!("{name}: {what}."));

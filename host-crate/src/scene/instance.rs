@@ -71,12 +71,14 @@ impl Mesh {
                 .as_ref()
                 .map(|normals| normals.iter().map(|corners| corners.map(turned)).collect()),
             texture_coordinates: self.texture_coordinates.clone(),
+            colours: self.colours.clone(),
         };
         if flips {
             moved.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
             moved.normals.iter_mut().flatten().for_each(|corners| corners.swap(1, 2));
             let coordinates = moved.texture_coordinates.iter_mut().flatten();
             coordinates.for_each(|corners| corners.swap(1, 2));
+            moved.colours.iter_mut().flatten().for_each(|corners| corners.swap(1, 2));
         }
         moved
     }

@@ -24,7 +24,7 @@ impl LoadOptions {
     /// When a file is missing, malformed or too large, or a value out of range: the message names
     /// the file, the place in it and what to do.
     pub fn load(&self, path: &Path) -> Result<Scene, SceneError> {
-        formats::load_from(&Disk, path, *self)
+        formats::load_from(&Disk, path, self)
     }
 
     /// Reads a scene from `input`, such as standard input; it is called `name` in messages.
@@ -37,7 +37,7 @@ impl LoadOptions {
         let path = Path::new(name);
         let text = read_up_to(input, path, self.text_bytes())?;
         let file = SceneBytes { path, folder: Path::new(""), bytes: &text };
-        formats::load_bytes(&Disk, file, *self)
+        formats::load_bytes(&Disk, file, self)
     }
 
     /// Loads a scene whose files are all in memory, by their paths: `scene` with what it names, as
@@ -51,7 +51,7 @@ impl LoadOptions {
         files: &BTreeMap<PathBuf, Vec<u8>>,
         scene: &Path,
     ) -> Result<Scene, SceneError> {
-        formats::load_from(&Memory(files), scene, *self)
+        formats::load_from(&Memory(files), scene, self)
     }
 
     /// Loads the scene that ships under the name `name`.
@@ -61,7 +61,7 @@ impl LoadOptions {
     /// When there is no such scene, or when its geometry must be fetched first and `SCENES_DIR`
     /// does not lead to it.
     pub fn load_named(&self, name: &str) -> Result<Scene, SceneError> {
-        shipped::load(name, *self)
+        shipped::load(name, self)
     }
 }
 

@@ -62,6 +62,8 @@ pub struct Principled {
     /// Roughness, in [0, 1]: the root of the microfacets' slope. What is below 0.032 counts as
     /// that.
     pub roughness: f32,
+    /// Whether it is rougher along a direction than across.
+    pub anisotropy: Anisotropy,
     /// Index of refraction of what is no metal, in [0.01, 100]: how much a painted surface
     /// reflects, and how glass refracts. What is within 0.001 of 1 counts as 1.001: the microfacets
     /// of a boundary that bends nothing cannot be told from its directions.
@@ -97,6 +99,19 @@ pub struct Principled {
     pub emission: Vec3,
     /// What varies over the surface.
     pub maps: Maps,
+}
+
+/// How a surface is rougher along a direction than across, as brushed metal is. It takes texture
+/// coordinates, which say what is along; without them it has no effect, and none on light that
+/// passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Anisotropy {
+    /// How much, in [0, 1]; 0 for not at all. The slope across is the square of the roughness, that
+    /// along it is nearer to 1 by the square of this (glTF's `KHR_materials_anisotropy`).
+    pub strength: f32,
+    /// The direction that it is rougher along, in degrees from where `u` grows towards where `v`
+    /// grows, in [-1e5, 1e5].
+    pub rotation: f32,
 }
 
 /// What light loses in a body, by Beer's law.
@@ -150,6 +165,8 @@ pub struct Maps {
     pub metallic: Option<Channel>,
     /// Of shading normals.
     pub normal: Option<NormalMap>,
+    /// Of heights, in place of normals.
+    pub bump: Option<BumpMap>,
     /// Of the emission, as sRGB.
     pub emission: Option<TextureId>,
 }
@@ -173,14 +190,30 @@ pub struct NormalMap {
     pub scale: f32,
 }
 
+/// A texture of heights, by which a surface is shaded: the mean of red, green and blue, linear,
+/// where codes stand for 0 to 1. It becomes a map of normals of the same texels, by the differences
+/// of those on both sides. Its texture repeats or clamps.
+///
+/// How steep it is follows from how large the texture lies on the surfaces of the material, in the
+/// mean over their area: where it lies larger it is as steep, and its heights are larger, too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BumpMap {
+    /// The texture.
+    pub texture: TextureId,
+    /// How high above 0 the surface is where the texture is 1, in world units (of a shape that has
+    /// instances, in its own), in [-1e4, 1e4].
+    pub height: f32,
+}
+
 impl Maps {
     /// All textures.
     pub fn textures(&self) -> impl Iterator<Item = TextureId> + use<> {
         let channels = [self.roughness, self.metallic].map(|map| map.map(|map| map.texture));
         let [roughness, metallic] = channels;
         let normal = self.normal.map(|map| map.texture);
+        let bump = self.bump.map(|map| map.texture);
         let colours = [self.base_colour, self.emission];
-        colours.into_iter().chain([roughness, metallic, normal]).flatten()
+        colours.into_iter().chain([roughness, metallic, normal, bump]).flatten()
     }
 }
 
@@ -207,6 +240,7 @@ impl Principled {
             metallic: 0.0,
             conductor: None,
             roughness,
+            anisotropy: Anisotropy::default(),
             ior: 1.5,
             specular: Vec3::ONE,
             transmission: 0.0,
@@ -343,6 +377,26 @@ impl Material {
     /// Whether it may have holes, by the alpha of its texture too.
     pub fn has_holes(&self) -> bool {
         self.principled().is_some_and(|principled| principled.opacity != Opacity::Opaque)
+    }
+
+    /// Whether [colours of vertices](super::Mesh::colours) multiply its own: that of paint, plastic,
+    /// glass of any roughness, of metal that is known by its colour, and of what a lamp reflects.
+    pub fn takes_colours(&self) -> bool {
+        match self {
+            Self::Diffuse { .. } | Self::Emissive { .. } => true,
+            Self::Principled(principled) => principled.conductor.is_none(),
+            Self::Mirror { .. } | Self::Dielectric { .. } => false,
+        }
+    }
+
+    /// Whether it is rougher along a direction than across.
+    pub fn has_grain(&self) -> bool {
+        self.principled().is_some_and(|principled| principled.anisotropy.strength > 0.0)
+    }
+
+    /// Whether it has a bump map.
+    pub(crate) fn has_bumps(&self) -> bool {
+        self.principled().is_some_and(|principled| principled.maps.bump.is_some())
     }
 
     /// The same material with another colour of paint or metal; others have none to change.

@@ -1,7 +1,7 @@
 //! Triangles of one material.
 
 use super::material::MaterialId;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// Triangles of one material. The front of a triangle is the side from which its corners run
 /// counter-clockwise.
@@ -19,12 +19,17 @@ pub struct Mesh {
     /// For each triangle the texture coordinates at its corners; (0, 0) is the lower left corner of
     /// a texture, (1, 1) the upper right one. `None`: the mesh has no texture.
     pub texture_coordinates: Option<Vec<[Vec2; 3]>>,
+    /// For each triangle the colours at its corners, linear Rec.709 and alpha, each component in
+    /// [0, 1]: what multiplies the colour of the material, which
+    /// [takes them](super::Material::takes_colours), and its opacity. `None`: white.
+    pub colours: Option<Vec<[Vec4; 3]>>,
 }
 
 impl Mesh {
-    /// A flat mesh without texture coordinates; see the fields.
+    /// A flat mesh without texture coordinates and colours; see the fields.
     pub fn new(material: MaterialId, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
-        Self { material, positions, triangles, normals: None, texture_coordinates: None }
+        let (normals, texture_coordinates, colours) = (None, None, None);
+        Self { material, positions, triangles, normals, texture_coordinates, colours }
     }
 
     /// The positions of a triangle's corners.
@@ -51,6 +56,7 @@ impl Mesh {
         retain(&mut self.triangles, &kept);
         self.normals.iter_mut().for_each(|normals| retain(normals, &kept));
         self.texture_coordinates.iter_mut().for_each(|uvs| retain(uvs, &kept));
+        self.colours.iter_mut().for_each(|colours| retain(colours, &kept));
     }
 }
 
@@ -79,7 +85,9 @@ mod tests {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let mut mesh = Mesh::new(MaterialId(0), positions, vec![[0, 1, 2], [0, 1, 1], [0, 1, 3]]);
         mesh.normals = Some([Vec3::X, Vec3::Y, Vec3::Z].map(|n| [n; 3]).to_vec());
+        mesh.colours = Some([0.1, 0.2, 0.3].map(|grey| [Vec4::splat(grey); 3]).to_vec());
         mesh.retain(has_area);
+        assert_eq!(mesh.colours, Some([0.1, 0.3].map(|grey| [Vec4::splat(grey); 3]).to_vec()));
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]]);
         assert_eq!(mesh.normals, Some(vec![[Vec3::X; 3], [Vec3::Z; 3]]));
         assert_eq!(mesh.texture_coordinates, None);

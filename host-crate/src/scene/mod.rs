@@ -43,6 +43,7 @@ mod obj;
 mod options;
 mod picture;
 mod ply;
+mod radiances;
 mod recentre;
 mod rule;
 mod shipped;
@@ -64,12 +65,12 @@ pub use limits::PathLimits;
 pub use load::{embedded, load, load_named};
 pub(crate) use material::distinct_ior;
 pub use material::{
-    Attenuation, Body, Channel, Maps, Material, MaterialId, NormalMap, Opacity, Principled,
-    Reflectance,
+    Anisotropy, Attenuation, Body, BumpMap, Channel, Maps, Material, MaterialId, NormalMap,
+    Opacity, Principled, Reflectance,
 };
 pub use mesh::Mesh;
 pub use metal::{Conductor, Metal};
 pub use options::{Instancing, LoadOptions};
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, shipped};
 pub use sky::Sky;
-pub use texture::{Texture, TextureId, Wrap};
+pub use texture::{Texels, Texture, TextureFilter, TextureId, Wrap};

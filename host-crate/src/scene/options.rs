@@ -4,7 +4,7 @@ use crate::names::named;
 use std::time::Duration;
 
 /// How a scene is loaded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LoadOptions {
     /// Memory in bytes that a scene may take while it is loaded and made ready, by estimates that
     /// err on the high side; 8 GiB by default.
@@ -17,11 +17,14 @@ pub struct LoadOptions {
     /// The time at which the first animation of a glTF is shown, from its beginning; `None`: all
     /// stands as it does without animations.
     pub at: Option<Duration>,
+    /// The variant of a glTF that is shown, by its name; `None`: the materials that its parts have
+    /// without one.
+    pub variant: Option<String>,
 }
 
 impl Default for LoadOptions {
     fn default() -> Self {
-        Self { max_memory: 8 << 30, instancing: Instancing::default(), at: None }
+        Self { max_memory: 8 << 30, instancing: Instancing::default(), at: None, variant: None }
     }
 }
 

@@ -1,8 +1,8 @@
 //! What a file says that a material is, before its textures are read.
 
-use super::material::{Channel, Material, NormalMap, Principled, Reflectance};
+use super::material::{BumpMap, Channel, Material, NormalMap, Principled, Reflectance};
 use super::obj::texture_map::TextureMap;
-use super::texture::{Texture, TextureId};
+use super::texture::{Texture, TextureFilter, TextureId};
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -22,13 +22,25 @@ pub(super) enum MaterialRule {
 pub(super) struct TexturedRule {
     /// What the material is without them.
     pub material: Material,
-    /// What the textures say, the lines of an MTL that name them (0 in a scene file), and the
-    /// picture files.
-    pub textures: Vec<(Slot, usize, PathBuf)>,
+    /// The textures.
+    pub textures: Vec<TextureFile>,
     /// Where they lie on the surface.
     pub map: TextureMap,
     /// What takes the place of those that cannot be read. By a scene file that is an error.
     pub otherwise: Option<Otherwise>,
+}
+
+/// A texture that a file names.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TextureFile {
+    /// What it says.
+    pub slot: Slot,
+    /// The line of an MTL that names it; 0 in a scene file.
+    pub line: usize,
+    /// The picture.
+    pub path: PathBuf,
+    /// What is seen between texels.
+    pub filter: TextureFilter,
 }
 
 /// What a texture says of a material.
@@ -42,6 +54,8 @@ pub(super) enum Slot {
     Metallic(u32),
     /// Shading normals, whose slopes are multiplied by this.
     Normal(f32),
+    /// Heights, and how high 1 is.
+    Bump(f32),
     /// What the emission is multiplied by.
     Emission,
 }
@@ -72,6 +86,7 @@ impl Slot {
                 principled.maps.metallic = Some(Channel { texture, channel });
             }
             Self::Normal(scale) => principled.maps.normal = Some(NormalMap { texture, scale }),
+            Self::Bump(height) => principled.maps.bump = Some(BumpMap { texture, height }),
             Self::Emission => principled.maps.emission = Some(texture),
         }
         Material::Principled(principled)
@@ -86,16 +101,17 @@ impl Slot {
         Material::Principled(match self {
             Self::Colour => return material.with_reflectance(colour()),
             Self::Roughness(channel) => {
-                let roughness = principled.roughness * texture.mean_of(channel);
+                let roughness = principled.roughness * texture.mean_code(channel as usize);
                 Principled { roughness, ..principled }
             }
             Self::Metallic(channel) => {
-                let metallic = principled.metallic * texture.mean_of(channel);
+                let metallic = principled.metallic * texture.mean_code(channel as usize);
                 Principled { metallic, ..principled }
             }
-            Self::Normal(_) => principled,
+            Self::Normal(_) | Self::Bump(_) => principled,
             Self::Emission => {
-                Principled { emission: principled.emission * texture.mean(), ..principled }
+                let emission = principled.emission * texture.mean_emission();
+                Principled { emission, ..principled }
             }
         })
     }

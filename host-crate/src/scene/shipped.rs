@@ -98,7 +98,7 @@ pub fn shipped() -> &'static [ShippedScene] {
 }
 
 /// Loads the scene that ships under the name `name`.
-pub(super) fn load(name: &str, options: LoadOptions) -> Result<Scene, SceneError> {
+pub(super) fn load(name: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
     if SHIPPED.iter().any(|scene| scene.name == name) {
         let path = Path::new(ROOT).join(name).join(name).with_extension("json");
         load_from(&BuiltIn, &path, options)

@@ -14,6 +14,7 @@ pub(super) enum Fate {
     UnreadableEmission,
     FoundByEnd,
     MeanOfTexture,
+    WithoutGrain,
     Opaque,
     Unlit,
     Unfiltered,
@@ -47,6 +48,10 @@ impl Fate {
             }
             Self::MeanOfTexture => {
                 "faces without usable texture coordinates show the mean of their texture: "
+            }
+            Self::WithoutGrain => {
+                "without texture coordinates nothing says along what these are rougher, they are \
+                 alike in all directions: "
             }
             Self::Opaque => "opacity is left out, these surfaces are opaque: ",
             Self::Unlit => "emission by a texture is left out: ",

@@ -46,6 +46,15 @@ pub const CONDUCTORS: u32 = 1 << 10;
 /// Shapes have [instances](crate::scene::bvh::instance).
 pub const INSTANCES: u32 = 1 << 11;
 
+/// Textures have more than 8 bits a channel, or show whole texels.
+pub const WIDE_TEXTURES: u32 = 1 << 12;
+
+/// Vertices have [colours](crate::scene::triangle::VertexColours).
+pub const VERTEX_COLOURS: u32 = 1 << 13;
+
+/// Principled surfaces are [anisotropic](crate::scene::bsdf::anisotropic).
+pub const ANISOTROPY: u32 = 1 << 14;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

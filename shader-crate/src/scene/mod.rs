@@ -3,12 +3,14 @@
 //! ```text
 //! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene | instances
 //! surfaces: triangles, for shading | attributes | materials | lights | albedos of surfaces
-//!           | layers | albedos of boundaries and of sheen, conductors | maps of emission | bodies
+//!           | layers | albedos of boundaries and of sheen, conductors | maps of emission
+//!           | albedos of anisotropic surfaces | colours of vertices | bodies
 //! texels:   textures, see `texture` | environment, see `environment`
 //! ```
 //!
 //! Albedos and layers are there where the scene has principled materials, maps where textures say
-//! what triangles emit, bodies, see [`media`], where paths must know what they are in.
+//! what triangles emit, colours where vertices have some, bodies, see [`media`], where paths must
+//! know what they are in.
 //!
 //! What traversal reads lies in `geometry`, what shading reads in `surfaces`. They are few because
 //! a kernel may bind few buffers (WebGPU promises eight), and two because each can then hold the
@@ -40,7 +42,7 @@ use surface::SurfaceView;
 use texture::TextureView;
 
 device_struct! {
-    /// What is the same for all of a scene. 64 bytes.
+    /// What is the same for all of a scene. 80 bytes.
     pub struct SceneParams {
         /// Radiance of the light that comes from all around where there is no surface, linear
         /// Rec.709.
@@ -73,6 +75,15 @@ device_struct! {
         pub first_media: u32,
         /// Row of `geometry` with the header of the [instances](bvh::instance).
         pub first_instance: u32,
+        /// Row of `surfaces` with the first colours of vertices, or [`triangle::NO_COLOURS`].
+        pub first_colours: u32,
+        /// Row of `surfaces` with the table of [anisotropic](bsdf::anisotropic) surfaces; 0 if there
+        /// are none.
+        pub first_anisotropic: u32,
+        /// Unused; zero.
+        pub pad1: u32,
+        /// Unused; zero.
+        pub pad2: u32,
     }
 }
 
@@ -108,14 +119,16 @@ impl<'a, A: Abilities> SceneView<'a, A> {
     ) -> Self {
         let places = [params.first_planes, params.first_order, params.first_instance];
         let bvh = BvhView::new(abilities, geometry, places);
-        let textures = TextureView::new(texels);
+        let textures = TextureView::new(texels, abilities);
         Self {
             bvh,
             surfaces: SurfaceView {
                 rows: surfaces,
                 bvh,
                 first_attributes: params.first_attributes,
+                first_colours: params.first_colours,
                 first_material: params.first_material,
+                first_anisotropic: params.first_anisotropic,
                 first_albedos: params.first_light + params.lights * Light::ROWS,
                 offset_roundings: params.offset_roundings,
                 textures,

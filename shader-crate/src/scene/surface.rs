@@ -1,10 +1,12 @@
 //! From a hit to what shading needs to know.
 
-use crate::glam::{UVec4, Vec3};
+use crate::glam::{UVec4, Vec3, Vec4};
 use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::math::random::{hash, unit_float};
 use crate::memory::rows::{four_rows, six_rows, three_rows, two_rows};
-use crate::scene::abilities::{Abilities, EMISSION_MAPS, INSTANCES, MEDIA, PRINCIPLED, TEXTURES};
+use crate::scene::abilities::{
+    ANISOTROPY, Abilities, EMISSION_MAPS, INSTANCES, MEDIA, PRINCIPLED, TEXTURES, VERTEX_COLOURS,
+};
 use crate::scene::bsdf::albedo::{self, AlbedoView};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
@@ -14,7 +16,7 @@ use crate::scene::light::importance;
 use crate::scene::media::{Body, Interface, Media, MediaView, Sides};
 use crate::scene::ray::{Clearance, Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
-use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, Triangle};
+use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, NO_COLOURS, Triangle, VertexColours};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -30,14 +32,18 @@ pub struct SurfaceView<'a, A> {
     pub bvh: BvhView<'a, A>,
     /// Row of the first attributes.
     pub first_attributes: u32,
+    /// See [`SceneParams::first_colours`](crate::scene::SceneParams::first_colours).
+    pub first_colours: u32,
     /// Row of the first material.
     pub first_material: u32,
     /// Row of the tables of principled materials; see [`crate::scene`].
     pub first_albedos: u32,
+    /// Row of the table of [anisotropic](crate::scene::bsdf::anisotropic) surfaces.
+    pub first_anisotropic: u32,
     /// How far rays start from surfaces, see [`crate::scene::ray::OFFSET_ROUNDINGS`].
     pub offset_roundings: f32,
     /// The textures.
-    pub textures: TextureView<'a>,
+    pub textures: TextureView<'a, A>,
     /// The bodies that are bounded by them.
     pub media: MediaView<'a>,
     /// What the scene uses.
@@ -106,6 +112,40 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
         attributes
     }
 
+    /// The grain of a surface with these layers; zero where there is none.
+    #[inline(always)]
+    fn grain(&self, layers: &Layers, tangent: u32, shading: Vec3) -> Vec3 {
+        if self.abilities.has(ANISOTROPY) { layers.grain(tangent, shading) } else { Vec3::ZERO }
+    }
+
+    /// Makes a surface the boundary between what is on its sides, where bodies overlap.
+    #[inline(always)]
+    fn bound(
+        &self,
+        material: &mut Material,
+        layers: &mut Layers,
+        index: u32,
+        from_front: bool,
+        sides: Sides,
+    ) {
+        if self.has_media() && sides.differ() {
+            let interface = self.interface(index, from_front, sides);
+            material.ior = interface.ior;
+            layers.boundary_albedos = interface.albedos;
+        }
+    }
+
+    /// What vertices multiply the colour and the opacity of a triangle's material by, where `hit` is
+    /// on it: one with attributes of this number.
+    #[inline(always)]
+    fn colour(&self, attributes: u32, hit: &Hit) -> Vec4 {
+        if !self.abilities.has(VERTEX_COLOURS) || self.first_colours == NO_COLOURS {
+            return Vec4::ONE;
+        }
+        let first = self.first_colours + attributes * VertexColours::ROWS;
+        VertexColours::from_rows(two_rows(self.rows, first)).at(hit)
+    }
+
     /// What the principled material number `index` has beside [`Self::material`].
     fn layers(&self, index: u32) -> Layers {
         let first = self.first_albedos + albedo::ROWS + index * Layers::ROWS;
@@ -125,7 +165,11 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
             return false;
         }
         let mut alpha = layers.alpha;
-        let is_textured = material.texture != NO_TEXTURE && triangle.attributes != NO_ATTRIBUTES;
+        let has_attributes = triangle.attributes != NO_ATTRIBUTES;
+        if self.abilities.has(VERTEX_COLOURS) && has_attributes {
+            alpha *= self.colour(triangle.attributes, hit).w;
+        }
+        let is_textured = material.texture != NO_TEXTURE && has_attributes;
         if self.abilities.has(TEXTURES) && is_textured {
             let uv = self.attributes(triangle.attributes, NO_INSTANCE).uv(hit);
             alpha *= self.textures.codes(material.texture, uv.x, uv.y).w;
@@ -172,7 +216,8 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
     }
 
     fn albedos(&self) -> AlbedoView<'a> {
-        AlbedoView { rows: self.rows, first: self.first_albedos }
+        let Self { first_albedos: first, first_anisotropic: anisotropic, .. } = *self;
+        AlbedoView { rows: self.rows, first, anisotropic }
     }
 
     fn material(&self, index: u32) -> Material {
@@ -216,13 +261,18 @@ impl<'a, F: Abilities> Surface<'a, F> {
         }
         let mut mapped_importance = -1.0;
         let mut shading = geometric;
+        let mut tangent = NO_TANGENT;
         if triangle.attributes != NO_ATTRIBUTES {
             let a = surfaces.attributes(triangle.attributes, place.instance);
-            shading = a.normal(hit, geometric);
+            (shading, tangent) = (a.normal(hit, geometric), a.tangent);
+            if surfaces.abilities.has(VERTEX_COLOURS) {
+                material.reflectance *= surfaces.colour(triangle.attributes, hit).truncate();
+            }
             if surfaces.abilities.has(TEXTURES) {
                 let uv = a.uv(hit);
                 if material.texture != NO_TEXTURE {
-                    material.reflectance *= surfaces.textures.sample(material.texture, uv.x, uv.y);
+                    let map = material.texture;
+                    material.reflectance *= surfaces.textures.reflectance(map, uv.x, uv.y);
                 }
                 if is_principled {
                     if surfaces.abilities.has(EMISSION_MAPS) && layers.emission_map != NO_TEXTURE {
@@ -239,20 +289,17 @@ impl<'a, F: Abilities> Surface<'a, F> {
             }
         }
         let from_front = ray.direction.dot(geometric) < 0.0;
-        if surfaces.has_media() && sides.differ() {
-            let interface = surfaces.interface(triangle.material, from_front, sides);
-            material.ior = interface.ior;
-            layers.boundary_albedos = interface.albedos;
-        }
+        surfaces.bound(&mut material, &mut layers, triangle.material, from_front, sides);
         let from_outside = ray.direction.dot(shading) < 0.0;
         let normal = if from_outside { shading } else { -shading };
+        let grain = surfaces.grain(&layers, tangent, shading);
         let (albedos, abilities) = (surfaces.albedos(), surfaces.abilities);
         Self {
             point,
             instance: place.instance,
             from_front,
             sides,
-            bsdf: material.bsdf(normal, from_outside, layers, albedos, abilities),
+            bsdf: material.bsdf([normal, grain], from_outside, layers, albedos, abilities),
             emission: material.emission,
             mapped_importance,
         }

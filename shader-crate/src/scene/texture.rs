@@ -1,13 +1,21 @@
-//! Bilinear texture lookup.
+//! Texture lookup: bilinear, or the nearest texel.
 //!
 //! All textures lie in one buffer of words: first the [`DECODE_WORDS`] linear values of the 256
 //! sRGB codes (as bits of f32), then for each texture its width, its height and its texels, row by
-//! row from the top, 0xAABBGGRR. A texture is named by the index of its width. Above the 16 bits of
-//! width and height stands how the texture goes on along that side, [`REPEAT`], [`CLAMP`] or
-//! [`MIRROR`].
+//! row from the top. A texture is named by the index of its width. Above the 16 bits of width and
+//! height stands how the texture goes on along that side, [`REPEAT`], [`CLAMP`] or [`MIRROR`];
+//! above that of the width, where kernels have [`WIDE_TEXTURES`], what its texels are and whether
+//! they are shown whole:
+//!
+//! ```text
+//! BYTES:  one word a texel, 0xAABBGGRR
+//! SHORTS: two words a texel, 0xGGGGRRRR 0xAAAABBBB
+//! FLOATS: three words a texel, the bits of linear red, green and blue
+//! ```
 
 use crate::glam::{Vec3, Vec4};
 use crate::memory::access::at;
+use crate::scene::abilities::{Abilities, WIDE_TEXTURES};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -22,40 +30,72 @@ pub const REPEAT: u32 = 0;
 pub const CLAMP: u32 = 1 << 16;
 /// Beyond its edge a texture runs back, and forth again.
 pub const MIRROR: u32 = 2 << 16;
+/// The texels are codes of 8 bits.
+pub const BYTES: u32 = 0;
+/// The texels are codes of 16 bits.
+pub const SHORTS: u32 = 1 << 18;
+/// The texels are linear numbers of any size.
+pub const FLOATS: u32 = 2 << 18;
+/// The nearest texel is shown, and not a mixture of four.
+pub const NEAREST: u32 = 1 << 20;
 /// The bits of a side's length.
 const LENGTH: u32 = 0xffff;
+/// The bits that say what texels are.
+const FORMAT: u32 = 3 << 18;
+/// The bits of a side: its length, and how the texture goes on.
+const SIDE: u32 = 0x3_ffff;
 
 /// The textures of a scene; see the module's text for the layout.
 #[derive(Clone, Copy)]
-pub struct TextureView<'a> {
+pub struct TextureView<'a, A> {
     words: &'a [u32],
+    abilities: A,
 }
 
-impl<'a> TextureView<'a> {
+impl<'a, A: Abilities> TextureView<'a, A> {
     /// Wraps the buffer.
-    pub fn new(words: &'a [u32]) -> Self {
-        Self { words }
+    pub fn new(words: &'a [u32], abilities: A) -> Self {
+        Self { words, abilities }
     }
 
-    /// Linear Rec.709 reflectance of `texture` at `(u, v)`; `v = 0` is the bottom edge, texel
-    /// centres are at half-integers.
+    /// Linear Rec.709 colour of `texture` at `(u, v)`; `v = 0` is the bottom edge, texel centres
+    /// are at half-integers. It is in [0, 1], but for textures of floats: these have no upper end.
     pub fn sample(&self, texture: u32, u: f32, v: f32) -> Vec3 {
         let near = self.neighbours(texture, u, v);
-        let upper = self.texel(near.upper_left).lerp(self.texel(near.upper_right), near.across);
-        let lower = self.texel(near.lower_left).lerp(self.texel(near.lower_right), near.across);
+        let (across, format) = (near.across, near.format);
+        let upper = self.texel(near.upper_left, format);
+        let upper = upper.lerp(self.texel(near.upper_right, format), across);
+        let lower = self.texel(near.lower_left, format);
+        let lower = lower.lerp(self.texel(near.lower_right, format), across);
         upper.lerp(lower, near.down)
     }
 
-    /// The four channels of `texture` at `(u, v)` as they are coded, 0 to 255 as 0 to 1.
+    /// The same as a share of light, in [0, 1]: what is above is 1.
+    pub fn reflectance(&self, texture: u32, u: f32, v: f32) -> Vec3 {
+        let colour = self.sample(texture, u, v);
+        if self.abilities.has(WIDE_TEXTURES) { colour.min(Vec3::ONE) } else { colour }
+    }
+
+    /// The four channels of `texture` at `(u, v)` as they are coded, from 0 to 1. Those of floats
+    /// stand for themselves, up to 1, and their fourth channel is 1.
     pub fn codes(&self, texture: u32, u: f32, v: f32) -> Vec4 {
         let near = self.neighbours(texture, u, v);
-        let upper = self.code(near.upper_left).lerp(self.code(near.upper_right), near.across);
-        let lower = self.code(near.lower_left).lerp(self.code(near.lower_right), near.across);
+        let (across, format) = (near.across, near.format);
+        let upper = self.code(near.upper_left, format);
+        let upper = upper.lerp(self.code(near.upper_right, format), across);
+        let lower = self.code(near.lower_left, format);
+        let lower = lower.lerp(self.code(near.lower_right, format), across);
         upper.lerp(lower, near.down)
     }
 
     fn neighbours(&self, texture: u32, u: f32, v: f32) -> Neighbours {
-        let (across, down) = (at(self.words, texture), at(self.words, texture + 1));
+        let (mut across, down) = (at(self.words, texture), at(self.words, texture + 1));
+        let (mut format, mut is_nearest) = (BYTES, false);
+        if self.abilities.has(WIDE_TEXTURES) {
+            format = across & FORMAT;
+            is_nearest = across & NEAREST != 0;
+            across &= SIDE;
+        }
         let (width, height) = (across & LENGTH, down & LENGTH);
         let x = fold(u, across) * width as f32 - 0.5;
         let y = (1.0 - fold(v, down)) * height as f32 - 0.5;
@@ -63,18 +103,30 @@ impl<'a> TextureView<'a> {
         let (x0, x1) = (wrap(left, width, across), wrap(left + 1.0, width, across));
         let (y0, y1) = (wrap(top, height, down), wrap(top + 1.0, height, down));
         let first = texture + 2;
+        // The formats are numbered by their words, less one.
+        let words = if self.abilities.has(WIDE_TEXTURES) { 1 + (format >> 18) } else { 1 };
+        let (x, y) = (x - left, y - top);
         Neighbours {
-            upper_left: first + y0 * width + x0,
-            upper_right: first + y0 * width + x1,
-            lower_left: first + y1 * width + x0,
-            lower_right: first + y1 * width + x1,
-            across: x - left,
-            down: y - top,
+            upper_left: first + (y0 * width + x0) * words,
+            upper_right: first + (y0 * width + x1) * words,
+            lower_left: first + (y1 * width + x0) * words,
+            lower_right: first + (y1 * width + x1) * words,
+            across: if is_nearest { half_up(x) } else { x },
+            down: if is_nearest { half_up(y) } else { y },
+            format,
         }
     }
 
-    fn texel(&self, index: u32) -> Vec3 {
-        let code = at(self.words, index);
+    /// The linear colour of the texel whose first word is number `place`.
+    fn texel(&self, place: u32, format: u32) -> Vec3 {
+        if self.abilities.has(WIDE_TEXTURES) && format == FLOATS {
+            return self.floats(place);
+        }
+        if self.abilities.has(WIDE_TEXTURES) && format == SHORTS {
+            let code = self.shorts(place);
+            return Vec3::new(linear(code.x), linear(code.y), linear(code.z));
+        }
+        let code = at(self.words, place);
         Vec3::new(
             self.decode(code & 0xff),
             self.decode(code >> 8 & 0xff),
@@ -82,10 +134,35 @@ impl<'a> TextureView<'a> {
         )
     }
 
-    fn code(&self, index: u32) -> Vec4 {
-        let code = at(self.words, index);
+    /// The codes of the texel whose first word is number `place`.
+    fn code(&self, place: u32, format: u32) -> Vec4 {
+        if self.abilities.has(WIDE_TEXTURES) && format == FLOATS {
+            return self.floats(place).min(Vec3::ONE).extend(1.0);
+        }
+        if self.abilities.has(WIDE_TEXTURES) && format == SHORTS {
+            return self.shorts(place);
+        }
+        let code = at(self.words, place);
         let channel = |shift: u32| (code >> shift & 0xff) as f32 * (1.0 / 255.0);
         Vec4::new(channel(0), channel(8), channel(16), channel(24))
+    }
+
+    fn floats(&self, place: u32) -> Vec3 {
+        Vec3::new(
+            f32::from_bits(at(self.words, place)),
+            f32::from_bits(at(self.words, place + 1)),
+            f32::from_bits(at(self.words, place + 2)),
+        )
+    }
+
+    fn shorts(&self, place: u32) -> Vec4 {
+        let (low, high) = (at(self.words, place), at(self.words, place + 1));
+        Vec4::new(
+            (low & 0xffff) as f32,
+            (low >> 16) as f32,
+            (high & 0xffff) as f32,
+            (high >> 16) as f32,
+        ) * (1.0 / 65_535.0)
     }
 
     fn decode(&self, srgb: u32) -> f32 {
@@ -93,8 +170,18 @@ impl<'a> TextureView<'a> {
     }
 }
 
-/// The texels around a point: where they lie in the buffer, and how far to go from left to right
-/// and down, in [0, 1].
+/// The linear value, in [0, 1], of an sRGB code from 0 to 1.
+fn linear(code: f32) -> f32 {
+    if code <= 0.04045 { code * (1.0 / 12.92) } else { ((code + 0.055) * (1.0 / 1.055)).powf(2.4) }
+}
+
+/// 1 from a half on, below that 0.
+fn half_up(fraction: f32) -> f32 {
+    if fraction >= 0.5 { 1.0 } else { 0.0 }
+}
+
+/// The texels around a point: where they lie in the buffer, how far to go from left to right and
+/// down, in [0, 1], and what they are.
 struct Neighbours {
     upper_left: u32,
     upper_right: u32,
@@ -102,6 +189,7 @@ struct Neighbours {
     lower_right: u32,
     across: f32,
     down: f32,
+    format: u32,
 }
 
 /// The coordinate within the texture, in [0, 1], that is looked up instead of any other; `side` is

@@ -4,11 +4,12 @@
 //! ```text
 //! triangle:   centroid, material | narrowness, attributes, least, light importance
 //! attributes: normal 0, u0 | normal 1, v0 | normal 2, u1 | v1, u2, v2, tangent
+//! colours:    0, 1 | 2
 //! ```
 //!
 //! Row layout: see [`crate::memory::rows`].
 
-use crate::glam::{UVec4, Vec2, Vec3};
+use crate::glam::{UVec4, Vec2, Vec3, Vec4};
 use crate::math::UNIT_ROUNDOFF;
 use crate::memory::device_struct;
 use crate::memory::rows::{float, row, vector};
@@ -19,6 +20,9 @@ use spirv_std::num_traits::Float as _;
 
 /// The attribute index of a triangle without normals and texture coordinates.
 pub const NO_ATTRIBUTES: u32 = u32::MAX;
+
+/// Row of the first colours where vertices have none.
+pub const NO_COLOURS: u32 = u32::MAX;
 
 /// How near a point may be to an edge of its triangle, in roundings of the largest coordinate of
 /// the ray that found it: those of the ray's end, which is that far off its line, and of where it
@@ -73,6 +77,51 @@ device_struct! {
         /// [`NO_TANGENT`](crate::math::packed::NO_TANGENT).
         pub tangent: u32,
     }
+}
+
+device_struct! {
+    /// What multiplies colour and opacity of the material at the corners of one triangle: those of
+    /// the same number as its attributes. 32 bytes.
+    pub struct VertexColours {
+        /// Red, green, blue and opacity of each corner, linear Rec.709, two to a word, the first
+        /// one in its lower half: 0 to 65535 stand for 0 to 1.
+        pub corners: [[u32; 2]; 3],
+        /// Unused; zero.
+        pub pad: [u32; 2],
+    }
+}
+
+impl VertexColours {
+    /// Rows of one.
+    pub const ROWS: u32 = 2;
+
+    /// Unpacks the two rows.
+    pub fn from_rows(rows: [UVec4; 2]) -> Self {
+        let [first, second] = rows;
+        Self {
+            corners: [[first.x, first.y], [first.z, first.w], [second.x, second.y]],
+            pad: [second.z, second.w],
+        }
+    }
+
+    /// The colour and opacity of `hit`, in [0, 1].
+    #[inline(always)]
+    pub fn at(&self, hit: &Hit) -> Vec4 {
+        let [[a0, a1], [b0, b1], [c0, c1]] = self.corners;
+        let w = 1.0 - hit.u - hit.v;
+        let colour = shares(a0, a1) * w + shares(b0, b1) * hit.u + shares(c0, c1) * hit.v;
+        colour.clamp(Vec4::ZERO, Vec4::ONE)
+    }
+}
+
+/// The four numbers of a corner.
+fn shares(low: u32, high: u32) -> Vec4 {
+    Vec4::new(
+        (low & 0xffff) as f32,
+        (low >> 16) as f32,
+        (high & 0xffff) as f32,
+        (high >> 16) as f32,
+    ) * (1.0 / 65_535.0)
 }
 
 impl Attributes {

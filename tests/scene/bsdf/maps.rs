@@ -4,7 +4,8 @@ use super::principled::{arriving, met};
 use glam::{Vec2, Vec3};
 use raystream::render::PreparedScene;
 use raystream::scene::{
-    Camera, Channel, FilmSize, Maps, Material, Mesh, NormalMap, Principled, Scene, Texture,
+    BumpMap, Camera, Channel, FilmSize, Maps, Material, Mesh, NormalMap, Principled, Scene, Texels,
+    Texture,
 };
 use raystream_tests::prepare;
 
@@ -31,6 +32,30 @@ fn floor(
     prepare(&scene)
 }
 
+/// The normal of a floor whose texture rises from black to white along `along`, as it is met.
+#[test]
+fn bumps_tilt_by_their_height_over_the_size_of_the_texture() {
+    let size = 32;
+    let mut scene =
+        Scene::new(Camera::new(Vec3::Z, Vec3::ZERO, 40.0), FilmSize { width: 4, height: 3 });
+    let ramp = (0..size).map(|k| [k as f32 / size as f32; 3]).collect();
+    let texture = scene.add_texture(Texture::of(size, 1, Texels::Floats(ramp)));
+    let bump = Some(BumpMap { texture, height: 3.0 });
+    let maps = Maps { bump, ..Maps::default() };
+    let material = scene.add_material(Material::Principled(Principled { maps, ..material() }));
+    // One texture is 6 units long along x, and mirrored: 3 units high, falling with x.
+    let corners = [Vec2::new(-9.0, -9.0), Vec2::new(9.0, -9.0), Vec2::new(0.0, 9.0)];
+    let positions = corners.map(|corner| corner.extend(0.0)).to_vec();
+    let mut mesh = Mesh::new(material, positions, vec![[0, 1, 2]]);
+    let uv = |corner: Vec2| Vec2::new(0.5 - corner.x / 6.0, corner.y);
+    mesh.texture_coordinates = Some(vec![corners.map(uv)]);
+    scene.add_mesh(mesh);
+    let floor = prepare(&scene);
+    let bsdf = met(&floor, arriving(30.0, true));
+    let expected = Vec3::new(0.5, 0.0, 1.0).normalize();
+    assert!((bsdf.normal - expected).length() < ROUNDING, "{} {expected}", bsdf.normal);
+}
+
 fn material() -> Principled {
     Principled { metallic: 0.5, ..Principled::paint(Vec3::new(1.0, 0.5, 0.25), 0.8) }
 }
@@ -42,8 +67,7 @@ fn maps_multiply_what_the_material_has() {
             base_colour: Some(texture),
             roughness: Some(Channel { texture, channel: 1 }),
             metallic: Some(Channel { texture, channel: 2 }),
-            emission: None,
-            normal: None,
+            ..Maps::default()
         },
         ..material()
     });

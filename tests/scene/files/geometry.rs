@@ -1,9 +1,31 @@
 //! Faces, and what their corners have.
 
 use super::{SQUARE, TEXTURED, assert_same, assert_warns, folder, loaded, scene};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use raystream::scene::{Material, Mesh};
 use serde_json::json;
+
+#[test]
+fn colours_of_vertices_are_srgb_and_go_with_their_corners() {
+    let obj = SQUARE.replace("v 2 0 0", "v 2 0 0 1 0 0.5").replace("usemtl plain\n", "");
+    let scene = scene(&obj, "");
+    let colours = scene.meshes[0].colours.as_ref().unwrap();
+    let half = ((0.5_f32 + 0.055) / 1.055).powf(2.4);
+    for (corners, triangle) in colours.iter().zip(0..) {
+        for (colour, position) in corners.iter().zip(scene.meshes[0].corners(triangle)) {
+            let is_red = position == Vec3::X * 2.0;
+            let expected = if is_red { Vec4::new(1.0, 0.0, half, 1.0) } else { Vec4::ONE };
+            assert!((*colour - expected).abs().max_element() < 1e-6, "{position} {colour}");
+        }
+    }
+    assert_eq!(scene.materials, [Material::diffuse(Vec3::ONE)], "what no MTL describes is white");
+    assert!(!format!("{:?}", scene.warnings).contains("olours"), "{:?}", scene.warnings);
+    // A mirror has no colour that they could multiply.
+    let obj = SQUARE.replace("v 2 0 0", "v 2 0 0 1 0 0.5");
+    let mirror = super::scene(&obj, "newmtl plain\nillum 3\nKs 1 1 1\n");
+    assert_eq!(mirror.meshes[0].colours, None);
+    assert_warns(&mirror, &["a.obj", "no effect", "`colours of vertices` of `plain`"]);
+}
 
 #[test]
 fn faces_without_texture_coordinates_show_the_mean_of_the_texture() {

@@ -2,7 +2,7 @@
 
 use super::{SQUARE, TEXTURED, assert_same, assert_warns, folder, loaded, scene};
 use glam::{Vec2, Vec3};
-use raystream::scene::{Material, Principled, load};
+use raystream::scene::{BumpMap, Material, NormalMap, Principled, TextureId, load};
 use raystream_tests::scene_folder::MTL;
 
 #[test]
@@ -36,6 +36,77 @@ fn options_of_a_texture_move_it() {
     assert_eq!(with("-s 4 2 1 -clamp off t.png").warnings, [""; 0]);
     let clamped = with("-clamp on -mm 0.1 0.5 t.png");
     assert_warns(&clamped, &["a.mtl", "no effect", "`map_Kd -clamp`", "`map_Kd -mm`"]);
+}
+
+#[test]
+fn a_grain_has_the_slopes_that_disneys_model_has() {
+    let scene = scene(SQUARE, "newmtl plain\nPr 0.5\nPm 1\naniso 0.8\nanisor 0.25\n");
+    let Material::Principled(found) = scene.materials[0] else { panic!("{:?}", scene.materials) };
+    let across = found.roughness.powi(2);
+    let along = across + (1.0 - across) * found.anisotropy.strength.powi(2);
+    let aspect = (1.0_f32 - 0.9 * 0.8).sqrt();
+    assert!((across - 0.25 * aspect).abs() < 1e-6 && (along - 0.25 / aspect).abs() < 1e-6);
+    assert_eq!(found.anisotropy.rotation, 90.0);
+    assert!(scene.meshes[0].texture_coordinates.is_some());
+    assert_eq!(scene.warnings, [""; 0]);
+    let bare = SQUARE.replace("f 1/1 2/2 3/3 4/4", "f 1 2 3 4");
+    let bare = self::scene(bare, "newmtl plain\nPr 0.5\nPm 1\naniso 0.8\n");
+    assert_warns(&bare, &["a.obj", "along what these are rougher", "`1 face` of `plain`"]);
+}
+
+#[test]
+fn bump_maps_have_the_height_that_they_say() {
+    let with = |lines: &str| {
+        loaded(
+            &folder(SQUARE, format!("newmtl plain\nKd 0 1 0\n{lines}"))
+                .with("grey.png", picture([90, 90, 90]))
+                .with("normals.png", picture([128, 127, 255])),
+        )
+    };
+    let scene = with("map_Bump -bm 0.25 grey.png\n");
+    let Material::Principled(found) = scene.materials[0] else { panic!("{:?}", scene.materials) };
+    let bump = BumpMap { texture: TextureId(0), height: 0.25 };
+    assert_eq!((found.maps.bump, found.base_colour), (Some(bump), Vec3::Y));
+    assert_eq!((found.specular, found.maps.textures().count()), (Vec3::ZERO, 1));
+    assert_eq!(scene.warnings, [""; 0]);
+    // Both keys are written for programs that know one of them.
+    let both = with("bump grey.png\nmap_bump -bm 0.25 grey.png\n");
+    assert_same(&both, &scene);
+
+    let metal = with("Pr 0.3\nPm 1\nbump -bm -2 grey.png\n");
+    let Material::Principled(found) = metal.materials[0] else { panic!("{:?}", metal.materials) };
+    assert_eq!((found.maps.bump.unwrap().height, found.metallic), (-2.0, 1.0));
+
+    let normals = with("map_Bump -bm 0.5 normals.png\n");
+    let Material::Principled(found) = normals.materials[0] else {
+        panic!("{:?}", normals.materials)
+    };
+    let map = NormalMap { texture: TextureId(0), scale: 0.5 };
+    assert_eq!((found.maps.normal, found.maps.bump), (Some(map), None));
+    assert!(format!("{:?}", normals.details).contains("picture of normals"));
+
+    for (lines, parts) in [
+        ("bump grey.png\n", ["do not say by `-bm`", "`bump` of `plain`"]),
+        ("bump -bm 1e9 grey.png\n", ["do not say by `-bm`", "`bump` of `plain`"]),
+        ("bump -bm 1 gone.png\n", ["bump maps are not there", "gone.png` of `plain`"]),
+        ("map_Kd -bm 2 grey.png\n", ["no effect", "`map_Kd -bm`"]),
+        ("illum 3\nKs 1 1 1\nbump -bm 1 grey.png\n", ["no effect", "`bump` of `plain`"]),
+    ] {
+        assert_warns(&with(lines), &[&["a.mtl"], &parts[..]].concat());
+    }
+    let broken = folder(SQUARE, "newmtl plain\nKd 0 1 0\nbump -bm 1 t.png\n").with("t.png", "no");
+    let broken = loaded(&broken);
+    assert_eq!(broken.materials.len(), 1);
+    assert_warns(&broken, &["bump maps cannot be read", "t.png"]);
+}
+
+/// A PNG of one texel.
+fn picture(texel: [u8; 3]) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_pixel(1, 1, image::Rgb(texel))
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .unwrap();
+    bytes.into_inner()
 }
 
 #[test]
@@ -181,8 +252,8 @@ fn what_is_left_out_is_said() {
         ("illum 5\nKs 1\nmap_Ke t.png\n", ["emission by a texture", "`map_Ke` of `plain`"]),
         ("illum 4\nNi 1.5\nTf .1 .6 .1\n", ["filter", "`Tf` of `plain`"]),
         ("Ks .9 .9 .9\nNs 200\n", ["no effect", "`Ks` of `plain`; `Ns` of `plain`"]),
-        ("map_Bump b.png\nnorm n.png\n", ["no effect", "`map_Bump` of `plain`; `norm` of `plain`"]),
-        ("Pr 0.3\naniso 1\n", ["no effect", "`aniso` of `plain`"]),
+        ("norm n.png\nrefl r.png\n", ["no effect", "`norm` of `plain`; `refl` of `plain`"]),
+        ("aniso 1\n", ["no effect", "`aniso` of `plain`"]),
         ("Pr 0.3\nmap_Pr r.png\nd 0.5\n", ["no effect", "`map_Pr` of `plain`"]),
         ("Ke 1 1 1\nmap_Kd t.png\n", ["no effect", "`map_Kd` of `plain`"]),
     ] {
@@ -201,7 +272,6 @@ fn what_is_left_out_is_said() {
     let obj =
         SQUARE.replace("v 2 0 0", "v 2 0 0 1 0 0") + "l 1 2\np 1\nfrob 1\ncurv 0 1 1 2\nfo 1 2 3\n";
     let scene = scene(obj, MTL);
-    assert_warns(&scene, &["a.obj", "colours of vertices", "line 3"]);
     assert_warns(
         &scene,
         &["a.obj", "not read", "`curv`", "`frob` (1, the first is line 14)", "`l`", "`p`"],

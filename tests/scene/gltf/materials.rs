@@ -1,10 +1,14 @@
 //! What surfaces are made of.
 
 use super::assert_warns;
-use glam::{Vec2, Vec3};
-use raystream::scene::{Attenuation, Material, Opacity, Principled, Scene, TextureId};
+use glam::{Vec2, Vec3, Vec4};
+use raystream::scene::{
+    Anisotropy, Attenuation, LoadOptions, Material, Opacity, Principled, Scene, SceneError, Texels,
+    TextureFilter, TextureId,
+};
 use raystream_tests::gltf::{Gltf, png};
 use serde_json::{Value, json};
+use std::path::Path;
 
 const WHITE: [u8; 4] = [255; 4];
 
@@ -41,14 +45,14 @@ fn what_paint_and_metal_lack_is_said_once_for_each_kind() {
         "extensions": {
             "KHR_materials_clearcoat":
                 {"clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0}},
-            "KHR_materials_anisotropy": {"anisotropyStrength": 0.5},
+            "KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyTexture": {}},
             "KHR_materials_iridescence": {"iridescenceFactor": 0},
             "KHR_materials_transmission": {"transmissionFactor": 1},
         },
     }));
     let scene = gltf.scene();
     for what in [
-        "surfaces are alike in all directions: `KHR_materials_anisotropy` of `car`",
+        "what textures say of anisotropy is left out",
         "a coat follows the corners' normals: `clearcoatNormalTexture`",
         "what emits is opaque: `alphaMode`",
         "lamps shine from the front alone: `doubleSided`",
@@ -249,6 +253,17 @@ fn pictures_that_cannot_be_read_leave_plain_colours() {
 }
 
 #[test]
+fn textures_are_shown_in_whole_texels_where_that_is_asked_for() {
+    for (filter, expected) in [(9728, TextureFilter::Nearest), (9729, TextureFilter::Linear)] {
+        let mut gltf =
+            with_material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}));
+        gltf.texture(1, &[WHITE], json!({"magFilter": filter, "minFilter": 9728}));
+        let scene = gltf.scene();
+        assert_eq!(scene.textures[0].filter, expected);
+    }
+}
+
+#[test]
 fn webp_is_read_in_place_of_the_other_picture() {
     let mut gltf =
         with_material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}));
@@ -262,7 +277,7 @@ fn webp_is_read_in_place_of_the_other_picture() {
         json!({"source": other, "extensions": {"EXT_texture_webp": {"source": image}}}),
     );
     let scene = gltf.scene();
-    assert_eq!(scene.textures[0].texels, [[1, 2, 3, 255]]);
+    assert_eq!(scene.textures[0].texels, Texels::Bytes(vec![[1, 2, 3, 255]]));
     assert_eq!(principled(&scene).maps.base_colour, Some(TextureId(0)));
 }
 
@@ -280,6 +295,125 @@ fn colours_of_vertices_are_the_materials_where_they_are_one() {
     assert_eq!(principled(&scene).base_colour, Vec3::new(0.25, 0.25, 1.0));
     assert!(!format!("{:?}", scene.warnings).contains("colour"), "{:?}", scene.warnings);
     let scene = attribute(&mut gltf, several);
-    assert_eq!(principled(&scene).base_colour, Vec3::new(0.25, 0.5, 1.0));
-    assert_warns(&scene, &["mean of their colours: 1"]);
+    assert_eq!(principled(&scene).base_colour, Vec3::new(0.5, 1.0, 1.0));
+    let colours = scene.meshes[0].colours.as_ref().unwrap()[0];
+    let expected = [
+        Vec4::new(0.5, 0.25, 1.0, 1.0),
+        Vec4::new(0.5, 0.25, 1.0, 1.0),
+        Vec4::new(0.5, 1.0, 1.0, 1.0),
+    ];
+    assert_eq!(colours, expected);
+    assert!(!format!("{:?}", scene.warnings).contains("colour"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn the_alpha_of_vertices_makes_holes_where_alpha_does() {
+    let with = |material: Value| {
+        let mut gltf = with_material(material);
+        let alphas = gltf.floats(&[[1.0, 1.0, 1.0, 0.5]; 3]);
+        gltf.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(alphas);
+        gltf.scene()
+    };
+    let blend = with(json!({"alphaMode": "BLEND"}));
+    assert_eq!(principled(&blend).opacity, Opacity::Blend { alpha: 1.0 });
+    assert_eq!(blend.meshes[0].colours.as_ref().unwrap()[0], [Vec4::new(1.0, 1.0, 1.0, 0.5); 3]);
+    let mask = with(json!({"alphaMode": "MASK", "alphaCutoff": 0.25}));
+    assert_eq!(principled(&mask).opacity, Opacity::Mask { alpha: 1.0, cutoff: 0.25 });
+    let opaque = with(json!({}));
+    assert_eq!(principled(&opaque).opacity, Opacity::Opaque);
+    let body = with(json!({"alphaMode": "BLEND", "extensions": {
+        "KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_volume": {"thicknessFactor": 1},
+    }}));
+    assert_eq!(principled(&body).opacity, Opacity::Opaque);
+    assert_warns(&body, &["bodies have no holes", "COLOR_0"]);
+}
+
+#[test]
+fn a_grain_is_read_and_takes_texture_coordinates() {
+    let brushed = json!({"extensions": {"KHR_materials_anisotropy": {
+        "anisotropyStrength": 0.6, "anisotropyRotation": std::f64::consts::FRAC_PI_2,
+    }}});
+    let mut gltf = with_material(brushed);
+    let coordinates = gltf.floats(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    let scene = gltf.scene();
+    let has_coordinates = scene.meshes[0].texture_coordinates.is_some();
+    assert!(has_coordinates == scene.warnings.iter().all(|w| !w.contains("along what")));
+    gltf.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(coordinates);
+    let scene = gltf.scene();
+    let Anisotropy { strength, rotation } = principled(&scene).anisotropy;
+    assert!((strength - 0.6).abs() < 1e-6 && (rotation - 90.0).abs() < 1e-4, "{rotation}");
+    assert!(scene.meshes[0].texture_coordinates.is_some());
+    assert!(!format!("{:?}", scene.warnings).contains("alike in all directions"));
+}
+
+/// A triangle that is red, but green and blue in variants.
+fn with_variants() -> Gltf {
+    let colour = |rgb: [f32; 3]| {
+        let [r, g, b] = rgb;
+        json!({"pbrMetallicRoughness": {"baseColorFactor": [r, g, b, 1]}})
+    };
+    let mut gltf = with_material(colour([1.0, 0.0, 0.0]));
+    let green = gltf.add("materials", colour([0.0, 1.0, 0.0]));
+    let blue = gltf.add("materials", colour([0.0, 0.0, 1.0]));
+    let named = ["leaf", "sky", "plain"].map(|name| json!({"name": name}));
+    gltf.json["extensions"] = json!({"KHR_materials_variants": {"variants": named}});
+    gltf.json["extensionsUsed"] = json!(["KHR_materials_variants"]);
+    gltf.json["extensionsRequired"] = json!(["KHR_materials_variants"]);
+    gltf.json["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_materials_variants": {
+        "mappings": [{"material": green, "variants": [0]}, {"material": blue, "variants": [1]}],
+    }});
+    gltf
+}
+
+fn in_variant(gltf: &Gltf, variant: Option<&str>) -> Result<Scene, SceneError> {
+    let files = [("a.glb".into(), gltf.glb())].into();
+    let variant = variant.map(str::to_owned);
+    LoadOptions { variant, ..LoadOptions::default() }.load_files(&files, Path::new("a.glb"))
+}
+
+#[test]
+fn a_variant_has_its_own_materials() {
+    let gltf = with_variants();
+    for (variant, expected) in
+        [(None, Vec3::X), (Some("leaf"), Vec3::Y), (Some("sky"), Vec3::Z), (Some("plain"), Vec3::X)]
+    {
+        let scene = in_variant(&gltf, variant).unwrap();
+        assert_eq!(principled(&scene).base_colour, expected, "{variant:?}");
+        assert_eq!(scene.variants, ["leaf", "sky", "plain"]);
+        assert!(!format!("{:?}", scene.warnings).contains("not read"), "{:?}", scene.warnings);
+    }
+}
+
+#[test]
+fn unknown_variants_and_broken_ones_are_errors() {
+    let gltf = with_variants();
+    let error = in_variant(&gltf, Some("Leaf")).unwrap_err().to_string();
+    for part in ["a.glb", "`Leaf`", "`leaf`, `sky`, `plain`"] {
+        assert!(error.contains(part), "{error}");
+    }
+    let ply = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+        property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+        0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let files = [("a.ply".into(), ply.to_vec())].into();
+    let options = LoadOptions { variant: Some("leaf".to_owned()), ..LoadOptions::default() };
+    let error = options.load_files(&files, Path::new("a.ply")).unwrap_err().to_string();
+    assert!(error.contains("`leaf`") && error.contains("none"), "{error}");
+
+    let mappings = "/meshes/0/primitives/0/extensions/KHR_materials_variants/mappings";
+    for (at, value, parts) in [
+        ("/extensions/KHR_materials_variants", json!({}), ["extensions.KHR", "variants"]),
+        ("/extensions/KHR_materials_variants/variants/1", json!({}), ["extensions.KHR", "name"]),
+        (mappings, json!(7), ["primitives[0].extensions", "KHR_materials_variants"]),
+        (&format!("{mappings}/1/variants"), json!([3]), ["mappings[1]", "variants"]),
+        (&format!("{mappings}/1/variants"), json!([-1]), ["primitives[0].extensions", "-1"]),
+        (&format!("{mappings}/0/material"), json!(9), ["mappings[0]", "materials"]),
+    ] {
+        let mut broken = with_variants();
+        *broken.json.pointer_mut(at).unwrap() = value;
+        let error = in_variant(&broken, Some("leaf")).unwrap_err().to_string();
+        for part in parts {
+            assert!(error.contains(part), "{at}: {error}");
+        }
+    }
 }

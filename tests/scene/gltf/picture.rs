@@ -83,6 +83,7 @@ fn code() -> Scene {
             metallic: channel(numbers, 2),
             normal: Some(NormalMap { texture: numbers, scale: 0.5 }),
             emission: None,
+            bump: None,
         },
         ..Principled::paint(Vec3::ONE, 0.5)
     }));

@@ -4,8 +4,9 @@ use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
-    Attenuation, Camera, Channel, Conductor, Instance, Lens, Maps, Material, Opacity, Principled,
-    Projection, PunctualLight, Reflectance, Scene, TextureId,
+    Anisotropy, Attenuation, BumpMap, Camera, Channel, Conductor, Instance, Lens, Maps, Material,
+    Opacity, Principled, Projection, PunctualLight, Reflectance, Scene, Texels, TextureFilter,
+    TextureId,
 };
 use sha2::{Digest, Sha256};
 
@@ -76,6 +77,9 @@ fn scene_digest(scene: &Scene) -> String {
         add(&mut hasher, mesh.normals.as_deref().unwrap_or_default().as_flattened());
         let coordinates = mesh.texture_coordinates.as_deref().unwrap_or_default();
         add(&mut hasher, coordinates.as_flattened());
+        if let Some(colours) = &mesh.colours {
+            add(&mut hasher, colours.as_flattened());
+        }
     }
     for light in &scene.quad_lights {
         add(&mut hasher, &[light.corner, light.u, light.v]);
@@ -86,7 +90,14 @@ fn scene_digest(scene: &Scene) -> String {
     }
     for texture in &scene.textures {
         add(&mut hasher, &[texture.width, texture.height]);
-        add(&mut hasher, &texture.texels);
+        match &texture.texels {
+            Texels::Bytes(texels) => add(&mut hasher, texels),
+            Texels::Shorts(texels) => add(&mut hasher, texels),
+            Texels::Floats(texels) => add(&mut hasher, texels),
+        }
+        if texture.filter != TextureFilter::Linear {
+            hasher.update([1]);
+        }
     }
     if let Some(environment) = &scene.environment {
         add(&mut hasher, &[environment.width, environment.height]);
@@ -173,6 +184,10 @@ fn add_layers(hasher: &mut Sha256, material: &Principled) {
     if material.thin_walled {
         hasher.update([1]);
     }
+    let Anisotropy { strength, rotation } = material.anisotropy;
+    if strength > 0.0 {
+        add(hasher, &[strength, rotation]);
+    }
 }
 
 /// What a body has besides; nothing of one that is clear and without a priority.
@@ -232,6 +247,10 @@ fn add_maps(hasher: &mut Sha256, maps: &Maps) {
     add(hasher, &[maps.normal.map_or(1.0, |map| map.scale)]);
     if let Some(emission) = maps.emission {
         add(hasher, &[emission.0]);
+    }
+    if let Some(BumpMap { texture, height }) = maps.bump {
+        add(hasher, &[texture.0]);
+        add(hasher, &[height]);
     }
 }
 

@@ -71,7 +71,7 @@ fn tabulate(directional: impl Fn(f32, f32) -> Vec2 + Sync) -> Vec<UVec4> {
         .collect();
     let mut rows: Vec<UVec4> = albedos.chunks(SIDE as usize).flat_map(pairs).collect();
     // The mean of what kernels look up, which is linear between the table's angles.
-    let view = AlbedoView { rows: &rows, first: 0 };
+    let view = AlbedoView { rows: &rows, first: 0, anisotropic: 0 };
     let means: Vec<Vec2> = (0..SIDE).map(|roughness| mean(&view, fraction(roughness))).collect();
     rows.extend(pairs(&means));
     rows
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn the_table_has_its_rows_and_mirrors_reflect_all() {
         assert_eq!(of_surface().len(), ROWS as usize);
-        let view = AlbedoView { rows: of_surface(), first: 0 };
+        let view = AlbedoView { rows: of_surface(), first: 0, anisotropic: 0 };
         for cosine in [0.05, 0.3, 1.0] {
             let albedo = view.directional(0.0, cosine);
             assert!((albedo.x + albedo.y - 1.0).abs() < 1e-3, "{cosine}: {albedo}");
@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn rougher_surfaces_lose_more_to_several_reflections() {
-        let view = AlbedoView { rows: of_surface(), first: 0 };
+        let view = AlbedoView { rows: of_surface(), first: 0, anisotropic: 0 };
         let means: Vec<f32> = (0..SIDE).map(|k| view.mean(fraction(k)).element_sum()).collect();
         assert!(means.windows(2).all(|pair| pair[1] <= pair[0] + 1e-4), "{means:?}");
         // Slope 1: Kulla and Conty 2017 have some 0.55 for a mean albedo of one reflection.

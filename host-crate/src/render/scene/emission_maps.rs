@@ -2,9 +2,10 @@
 
 use super::scene_triangle::SceneTriangle;
 use super::textures::Textures;
-use crate::scene::{Material, Scene, TextureId};
+use crate::scene::{Material, Scene, Texture, TextureId};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use raystream_shaders::scene::abilities::{ALL, Fixed};
 use raystream_shaders::scene::light::{EmissionMap, importance};
 use raystream_shaders::scene::texture::TextureView;
 use raystream_shaders::scene::triangle::Attributes;
@@ -20,6 +21,8 @@ const LEAST_SHARE: f32 = 1e-3;
 pub struct MappedEmission {
     /// The importance by which the triangle is chosen: about the mean under it.
     pub importance: f32,
+    /// What the texture multiplies the radiance by at most.
+    pub peak: f32,
     /// For the kernels.
     pub map: EmissionMap,
 }
@@ -36,8 +39,10 @@ pub fn of_triangles(
     if mapped.iter().all(Option::is_none) {
         return Vec::new();
     }
-    let means: Vec<f32> = scene.textures.iter().map(|texture| importance(texture.mean())).collect();
-    let view = TextureView::new(&textures.words);
+    let means: Vec<f32> =
+        scene.textures.iter().map(|texture| importance(texture.mean_emission())).collect();
+    let peaks: Vec<f32> = scene.textures.iter().map(Texture::brightest).collect();
+    let view = TextureView::new(&textures.words, Fixed::<ALL>);
     let of_triangle = |triangle: &SceneTriangle| {
         let (emission, texture) = (*mapped.get(triangle.material as usize)?)?;
         let corners = attributes.get(triangle.attributes as usize)?;
@@ -48,11 +53,12 @@ pub fn of_triangles(
             texture: textures.places[texture.0 as usize],
             pad: 0,
         };
-        let size = &scene.textures[texture.0 as usize];
-        let size = Vec2::new(size.width as f32, size.height as f32);
+        let picture = &scene.textures[texture.0 as usize];
+        let size = Vec2::new(picture.width as f32, picture.height as f32);
         let found = mean(&view, &map, emission, size);
         let least = LEAST_SHARE * importance(emission) * means[texture.0 as usize];
-        Some(MappedEmission { importance: found.max(least), map })
+        let (importance, peak) = (found.max(least), peaks[texture.0 as usize]);
+        Some(MappedEmission { importance, peak, map })
     };
     triangles.par_iter().map(of_triangle).collect()
 }
@@ -66,7 +72,7 @@ fn mapped(material: &Material) -> Option<(Vec3, TextureId)> {
 
 /// The mean importance under a triangle, of what the kernels look up: at the middles of parts no
 /// larger than a texel, unless these would be too many.
-fn mean(view: &TextureView<'_>, map: &EmissionMap, emission: Vec3, size: Vec2) -> f32 {
+fn mean(view: &TextureView<'_, Fixed<ALL>>, map: &EmissionMap, emission: Vec3, size: Vec2) -> f32 {
     let [a, b, c] = [map.uv0, map.uv1, map.uv2].map(Vec2::from);
     let longest =
         [b - a, c - b, a - c].map(|edge| (edge * size).length()).into_iter().fold(0.0, f32::max);
@@ -92,14 +98,13 @@ fn mean(view: &TextureView<'_>, map: &EmissionMap, emission: Vec3, size: Vec2) -
 mod tests {
     use super::*;
     use crate::render::scene::textures::pack;
-    use crate::scene::Texture;
 
     #[test]
     fn the_mean_is_that_under_the_triangle() {
         // The left half is black, the right half is white.
         let texels = (0..64).map(|k| [if k % 8 < 4 { 0 } else { 255 }; 4]).collect();
         let textures = pack(&[Texture::new(8, 8, texels)]);
-        let view = TextureView::new(&textures.words);
+        let view = TextureView::new(&textures.words, Fixed::<ALL>);
         let of = |uv0: [f32; 2], uv1: [f32; 2], uv2: [f32; 2]| {
             let map = EmissionMap { uv0, uv1, uv2, texture: textures.places[0], pad: 0 };
             mean(&view, &map, Vec3::splat(3.0), Vec2::splat(8.0))

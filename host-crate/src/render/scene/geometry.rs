@@ -5,11 +5,11 @@ use super::triangles::Functions;
 use crate::scene::instance::may_have_instances;
 use crate::scene::mesh::has_area;
 use crate::scene::{Mesh, Scene};
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use obvhs::aabb::Aabb;
 use rayon::slice::ParallelSliceMut;
 use raystream_shaders::math::packed::{NO_TANGENT, Tangent};
-use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES};
+use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES, VertexColours};
 use std::collections::HashSet;
 
 /// The triangles of a scene.
@@ -23,10 +23,21 @@ pub struct Geometry {
     /// The instances of these.
     pub placed: Vec<Placed>,
     /// What [`SceneTriangle::attributes`] points to.
-    pub attributes: Vec<Attributes>,
+    pub corners: Corners,
     /// How many triangles are in instances that stand where an earlier one of the same shape does,
     /// and are left out.
     pub copies: usize,
+}
+
+/// What triangles have at their corners.
+#[derive(Default)]
+pub struct Corners {
+    /// Normals and texture coordinates.
+    pub attributes: Vec<Attributes>,
+    /// Colours, of all of them; none where no mesh has any.
+    pub colours: Vec<VertexColours>,
+    /// Whether any mesh has colours.
+    has_colours: bool,
 }
 
 /// Triangles in one space, those with an area.
@@ -69,10 +80,12 @@ const MAX_DISTANCE: f32 = 2.0;
 /// those of the scene, `n` after them.
 pub fn gather(scene: &Scene) -> Geometry {
     let mut geometry = Geometry::default();
+    let mut meshes = scene.meshes.iter().chain(&scene.shapes);
+    geometry.corners.has_colours = meshes.any(|mesh| mesh.colours.is_some());
     let bodies = bodies_apart(scene);
     let mut number = 0;
     for mesh in &scene.meshes {
-        number = geometry.world.add_mesh(mesh, number, &mut geometry.attributes);
+        number = geometry.world.add_mesh(mesh, number, &mut geometry.corners);
     }
     number = geometry.add_instances(scene, number, &bodies);
     for (material, light) in (scene.materials.len() as u32..).zip(&scene.quad_lights) {
@@ -128,7 +141,7 @@ impl Geometry {
             number += shape.triangles.len() as u32;
             if !may_have_instances(material) || !instance.is_well_conditioned() {
                 let mesh = instance.mesh(shape);
-                self.world.add_mesh(&mesh, first, &mut self.attributes);
+                self.world.add_mesh(&mesh, first, &mut self.corners);
                 continue;
             }
             let columns = instance.transform.to_cols_array().map(f64::to_bits);
@@ -136,9 +149,9 @@ impl Geometry {
                 self.copies += shape.triangles.len();
                 continue;
             }
-            let attributes = &mut self.attributes;
+            let corners = &mut self.corners;
             let place = *shapes[index].get_or_insert_with(|| {
-                self.shapes.push(Shape::of(shape, attributes, bodies));
+                self.shapes.push(Shape::of(shape, corners, bodies));
                 self.shapes.len() - 1
             });
             let found = &self.shapes[place];
@@ -152,9 +165,9 @@ impl Geometry {
 }
 
 impl Shape {
-    fn of(mesh: &Mesh, attributes: &mut Vec<Attributes>, bodies: &[u32]) -> Self {
+    fn of(mesh: &Mesh, of_corners: &mut Corners, bodies: &[u32]) -> Self {
         let mut own = Triangles::default();
-        own.add_mesh(mesh, 0, attributes);
+        own.add_mesh(mesh, 0, of_corners);
         own.leave_out_copies(bodies);
         let corners = || own.triangles.iter().flat_map(|triangle| triangle.corners);
         let low = corners().fold(Vec3::INFINITY, Vec3::min);
@@ -175,7 +188,7 @@ impl Shape {
 
 impl Triangles {
     /// Adds those of a mesh, numbered from `first` on; the number after them.
-    fn add_mesh(&mut self, mesh: &Mesh, first: u32, attributes: &mut Vec<Attributes>) -> u32 {
+    fn add_mesh(&mut self, mesh: &Mesh, first: u32, of_corners: &mut Corners) -> u32 {
         for (index, number) in (0..mesh.triangles.len()).zip(first..) {
             let normals = mesh.normals.as_ref().map(|normals| normals[index]);
             let coordinates = mesh.texture_coordinates.as_ref().map(|uvs| uvs[index]);
@@ -186,14 +199,18 @@ impl Triangles {
                 attributes: NO_ATTRIBUTES,
                 number,
             };
-            if normals.is_some() || coordinates.is_some() {
-                triangle.attributes = attributes.len() as u32;
+            let colours = mesh.colours.as_ref().map(|colours| colours[index]);
+            if normals.is_some() || coordinates.is_some() || colours.is_some() {
+                triangle.attributes = of_corners.attributes.len() as u32;
             }
             if self.add(triangle) && triangle.attributes != NO_ATTRIBUTES {
-                attributes.push(Attributes {
+                of_corners.attributes.push(Attributes {
                     tangent: coordinates.map_or(NO_TANGENT, |uvs| tangent(corners, uvs)),
-                    ..self::attributes(normals.unwrap_or_default(), coordinates.unwrap_or_default())
+                    ..attributes(normals.unwrap_or_default(), coordinates.unwrap_or_default())
                 });
+                if of_corners.has_colours {
+                    of_corners.colours.push(packed(colours.unwrap_or([Vec4::ONE; 3])));
+                }
             }
         }
         first + mesh.triangles.len() as u32
@@ -234,6 +251,15 @@ fn attributes([normal0, normal1, normal2]: [Vec3; 3], coordinates: [Vec2; 3]) ->
     Attributes { normal0, u0, normal1, v0, normal2, u1, v1, u2, v2, tangent: NO_TANGENT }
 }
 
+fn packed(colours: [Vec4; 3]) -> VertexColours {
+    let code = |share: f32| (share * 65_535.0).round() as u32;
+    let corners = colours.map(|colour| {
+        let [red, green, blue, alpha] = colour.to_array().map(code);
+        [red | green << 16, blue | alpha << 16]
+    });
+    VertexColours { corners, pad: [0; 2] }
+}
+
 /// The direction along a triangle in which the first texture coordinate grows and the second does
 /// not.
 fn tangent([a, b, c]: [Vec3; 3], [uv_a, uv_b, uv_c]: [Vec2; 3]) -> u32 {
@@ -269,12 +295,15 @@ mod tests {
         scene.add_quad_light(QuadLight::new(Vec3::Z, Vec3::X, Vec3::Y, Vec3::ONE));
         let geometry = gather(&scene);
         assert_eq!((geometry.degenerate(), geometry.copies()), (3, 2));
-        let Geometry { world: Triangles { triangles, .. }, attributes, .. } = geometry;
+        let Geometry { world: Triangles { triangles, .. }, corners, .. } = geometry;
         let numbers: Vec<u32> = triangles.iter().map(|triangle| triangle.number).collect();
         assert_eq!(numbers, [0, 2, 6, 8, 9, 10]);
         let names: Vec<_> = triangles.iter().map(|t| (t.material, t.attributes)).collect();
         let flat = NO_ATTRIBUTES;
         assert_eq!(names, [(0, flat), (0, flat), (0, 0), (0, 1), (1, flat), (1, flat)]);
-        assert_eq!(attributes.iter().map(|a| a.normal2).collect::<Vec<_>>(), [Vec3::Z, -Vec3::Z]);
+        assert_eq!(
+            corners.attributes.iter().map(|a| a.normal2).collect::<Vec<_>>(),
+            [Vec3::Z, -Vec3::Z]
+        );
     }
 }

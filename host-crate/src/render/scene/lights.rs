@@ -55,6 +55,8 @@ struct Candidate {
     /// Flux over pi.
     power: f64,
     is_distant: bool,
+    /// What its radiance is multiplied by at most, linear Rec.709.
+    peak: f32,
 }
 
 /// Finds the lights and builds the alias table of them, the environment last.
@@ -65,12 +67,13 @@ pub fn build(emitters: &Emitters<'_>) -> Lights {
     candidates.extend(shining.map(|light| punctual(light, emitters.ball)));
     let brightest = candidates
         .iter()
-        .map(|candidate| radiance(&candidate.light, emitters.ball).max_element())
+        .map(|it| it.peak * radiance(&it.light, emitters.ball).max_element())
         .fold(0.0, f32::max);
     candidates.extend(emitters.environment.map(|power| Candidate {
         light: Light::default(),
         power,
         is_distant: true,
+        peak: 1.0,
     }));
 
     let sum = |distant: bool| -> f64 {
@@ -137,7 +140,8 @@ fn emissive_triangles(emitters: &Emitters<'_>, maps: &mut Vec<EmissionMap>) -> V
             ..Light::default()
         };
         let power = area(triangle) * f64::from(chosen_by);
-        candidates.push(Candidate { light, power, is_distant: false });
+        let peak = mapped.map_or(1.0, |mapped| mapped.peak);
+        candidates.push(Candidate { light, power, is_distant: false, peak });
     }
     candidates
 }
@@ -159,6 +163,7 @@ fn punctual(light: &PunctualLight, ball: Ball) -> Candidate {
             },
             power: power_of(4.0 * PI),
             is_distant: false,
+            peak: 1.0,
         },
         PunctualLight::Spot { position, direction, inner_angle, outer_angle, .. } => {
             // 1 - cosine.
@@ -177,6 +182,7 @@ fn punctual(light: &PunctualLight, ball: Ball) -> Candidate {
                 },
                 power: power_of(2.0 * PI * (inner + (outer - inner) / 3.0)),
                 is_distant: false,
+                peak: 1.0,
             }
         }
         PunctualLight::Directional { direction, angle, .. } => Candidate {
@@ -191,6 +197,7 @@ fn punctual(light: &PunctualLight, ball: Ball) -> Candidate {
             },
             power: power_of(PI * ball.radius_squared()),
             is_distant: true,
+            peak: 1.0,
         },
     }
 }
@@ -257,7 +264,7 @@ mod tests {
             total_importance: 0.0,
             offset_roundings: 0.0,
             environment: EnvironmentView::new(&[], NO_ENVIRONMENT),
-            textures: TextureView::new(&[]),
+            textures: TextureView::new(&[], Fixed),
             abilities: Fixed::<0>,
         };
         // A regular grid of 2^20 numbers, so that the counts are within the number of column ends

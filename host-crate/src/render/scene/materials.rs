@@ -1,13 +1,17 @@
 //! The table of materials.
 
 use super::albedos;
+use super::bump_maps::NormalMaps;
 use crate::scene::{
-    self, Channel, Material, Opacity, Principled, Reflectance, Scene, TextureId, distinct_ior,
+    self, Anisotropy, Channel, Maps, Material, Opacity, Principled, Reflectance, Scene, TextureId,
+    distinct_ior,
 };
 use glam::{UVec4, Vec3};
 use raystream_shaders::scene::bsdf::albedo;
 use raystream_shaders::scene::bsdf::conductor::Conductor;
-use raystream_shaders::scene::bsdf::layers::{BLEND, Layers, MASK, THIN};
+use raystream_shaders::scene::bsdf::layers::{
+    BLEND, GRAIN_STEPS, Layers, MASK, ROTATION_BIT, STRENGTH_BIT, THIN,
+};
 use raystream_shaders::scene::bsdf::{self, MaterialKind};
 use raystream_shaders::scene::texture::NO_TEXTURE;
 use std::collections::BTreeMap;
@@ -25,14 +29,21 @@ fn place(texture: Option<TextureId>, places: &[u32]) -> u32 {
 }
 
 /// What principled materials have beside the [`table`], for each of a scene's; nothing where none
-/// is principled. The albedos that they need are added to `tables`.
-pub fn layered(scene: &Scene, places: &[u32], tables: &mut Tables) -> Vec<Layers> {
+/// is principled. `normals` are their maps of normals. The albedos that they need are added to
+/// `tables`.
+pub fn layered(
+    scene: &Scene,
+    normals: &NormalMaps,
+    places: &[u32],
+    tables: &mut Tables,
+) -> Vec<Layers> {
     if !scene.materials.iter().any(|material| material.principled().is_some()) {
         return Vec::new();
     }
-    let layers = scene.materials.iter().map(|material| {
-        let of = |principled| layers(principled, tables, places);
-        material.principled().map_or(Layers::NONE, of)
+    let layers = scene.materials.iter().zip(&normals.of_materials).map(|(material, normal)| {
+        let Some(principled) = material.principled() else { return Layers::NONE };
+        let maps = Maps { normal: *normal, ..principled.maps };
+        layers(&Principled { maps, ..*principled }, tables, places)
     });
     layers.collect()
 }
@@ -130,12 +141,20 @@ fn layers(principled: &Principled, tables: &mut Tables, places: &[u32]) -> Layer
         coat: principled.coat,
         coat_roughness: principled.coat_roughness,
         sheen_albedos: tables.sheen(principled),
-        flags: opacity | if principled.thin_walled { THIN } else { 0 },
+        flags: opacity | if principled.thin_walled { THIN } else { 0 } | grain(principled),
         alpha,
         cutoff,
         emission_map: place_of(principled.maps.emission),
         conductor: principled.conductor.map_or(0, |metal| tables.conductor(metal)),
     }
+}
+
+/// The bits of [`Layers::flags`] that say how anisotropic a material is.
+fn grain(principled: &Principled) -> u32 {
+    let steps = |share: f32| (share * GRAIN_STEPS as f32).round() as u32;
+    let Anisotropy { strength, rotation } = principled.anisotropy;
+    let turns = rotation / 360.0;
+    steps(strength) << STRENGTH_BIT | steps(turns - turns.floor()).min(GRAIN_STEPS) << ROTATION_BIT
 }
 
 /// The material as the kernels read it.

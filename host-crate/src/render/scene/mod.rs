@@ -1,6 +1,8 @@
 //! A scene in the layout that the kernels read.
 
 mod albedos;
+mod anisotropic_albedos;
+mod bump_maps;
 pub mod bvh;
 pub mod camera;
 mod emission_maps;
@@ -14,8 +16,10 @@ mod scene_triangle;
 mod textures;
 mod triangles;
 
+use self::bump_maps::NormalMaps;
 use self::bvh::BvhQuality;
 use self::environment::{Ball, PackedEnvironment};
+use self::geometry::Corners;
 use self::hierarchies::Hierarchies;
 use self::lights::{Emitters, Lights};
 use self::materials::Tables;
@@ -23,18 +27,19 @@ use self::media::PackedMedia;
 use self::textures::Textures;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
-use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene};
+use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene, Texture};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::abilities::{
-    ALL, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES, INSTANCES, MEDIA,
-    PRINCIPLED, PUNCTUAL, TEXTURES,
+    ALL, ANISOTROPY, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES,
+    INSTANCES, MEDIA, PRINCIPLED, PUNCTUAL, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
 };
-use raystream_shaders::scene::bsdf::layers::Layers;
+use raystream_shaders::scene::bsdf::{self, layers::Layers};
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
 use raystream_shaders::scene::light::{DIRECTION, Light, POINT};
 use raystream_shaders::scene::media::NO_MEDIA;
 use raystream_shaders::scene::ray::Hit;
+use raystream_shaders::scene::triangle::NO_COLOURS;
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -60,6 +65,8 @@ pub struct PreparedScene {
     pub degenerate: usize,
     /// How many had the corners of an earlier one, which hides them, and were left out.
     pub copies: usize,
+    /// How many bump maps lie on surfaces in sizes that differ, so that their heights do.
+    pub uneven_bumps: usize,
     /// The camera.
     pub camera: Camera,
     /// How long paths may be, by the scene.
@@ -76,8 +83,10 @@ impl PreparedScene {
         scene.check()?;
         let from = geometry::gather(scene);
         let triangles = &from.world.triangles;
-        let textures = textures::pack(&scene.textures);
-        let mapped = emission_maps::of_triangles(scene, triangles, &from.attributes, &textures);
+        let normals = NormalMaps::new(scene, &from);
+        let textures = textures::pack(scene.textures.iter().chain(&normals.textures));
+        let mapped =
+            emission_maps::of_triangles(scene, triangles, &from.corners.attributes, &textures);
         let Textures { words: mut texels, places } = textures;
         let materials = materials::table(scene, &places);
         let mut params = SceneParams { background: scene.background, ..SceneParams::zeroed() };
@@ -95,7 +104,7 @@ impl PreparedScene {
             environment: environment.as_ref().map(|it| it.power * ball.radius_squared()),
         });
         let mut tables = Tables::new(scene.materials.len() as u32);
-        let layers = materials::layered(scene, &places, &mut tables);
+        let layers = materials::layered(scene, &normals, &places, &mut tables);
         let media = PackedMedia::new(scene, lights.table.len(), &mut tables);
         params.lights = lights.table.len() as u32;
         params.total_importance = lights.total_importance;
@@ -104,22 +113,20 @@ impl PreparedScene {
         params.environment = environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
             packed.append(&mut texels, lights.environment_chance, ball)
         });
-        params.first_attributes = append(&mut surfaces, &from.attributes);
-        params.first_material = append(&mut surfaces, &materials);
-        params.first_light = append(&mut surfaces, &lights.table);
-        params.first_media = NO_MEDIA;
-        append_layers(&mut surfaces, &layers, &tables);
-        params.first_emission_map = append(&mut surfaces, &lights.maps);
+        let (corners, lights) = (&from.corners, &lights);
+        Parts { corners, materials: &materials, lights, layers: &layers, tables: &tables }
+            .append_to(&mut surfaces, &mut params);
         let mut prepared = Self {
             geometry,
             surfaces,
             texels,
             params,
-            abilities: abilities(scene, &params, &lights),
+            abilities: abilities(scene, &params, lights),
             numbers,
             instances,
             degenerate: from.degenerate(),
             copies: from.copies(),
+            uneven_bumps: normals.uneven,
             camera: scene.camera,
             limits: scene.limits,
         };
@@ -127,7 +134,7 @@ impl PreparedScene {
             prepared.abilities |= INSTANCES;
         }
         if let Some(media) = &media {
-            prepared.add_media(media, &lights);
+            prepared.add_media(media, lights);
         }
         Ok(prepared)
     }
@@ -149,7 +156,14 @@ impl PreparedScene {
         };
         let copies = dropped(self.copies, "with the corners of an earlier one, which hides them,");
         let thin = dropped(self.degenerate, "thinner than the roundings of their corners");
-        copies.into_iter().chain(thin).collect()
+        let bumps = (self.uneven_bumps > 0).then(|| {
+            format!(
+                "{} bump maps lie on surfaces in sizes that differ: where they are larger than in \
+                 the mean, so are their heights.",
+                self.uneven_bumps
+            )
+        });
+        copies.into_iter().chain(thin).chain(bumps).collect()
     }
 
     /// The number in the scene of the triangle of a hit, if that is one: those of the meshes count,
@@ -184,6 +198,8 @@ impl PreparedScene {
 fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
     let has_textures = any(|material| material.textures().next().is_some());
+    let has_wide =
+        has_textures && (scene.textures.iter().any(Texture::is_wide) || any(Material::has_bumps));
     let is_principled = any(|material| material.principled().is_some());
     let has_cover = any(|m| m.principled().is_some_and(Principled::has_cover));
     let has_conductors = any(|m| m.principled().is_some_and(|p| p.conductor.is_some()));
@@ -194,6 +210,7 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let is_punctual = |light: &Light| matches!(light.kind, POINT | DIRECTION);
     [
         (has_textures, TEXTURES),
+        (has_wide, WIDE_TEXTURES),
         (has_environment, ENVIRONMENT),
         (is_principled, PRINCIPLED),
         (has_cover, COVER),
@@ -202,19 +219,43 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (!is_pinhole, CAMERAS),
         (lights.table.iter().any(is_punctual), PUNCTUAL),
         (!lights.maps.is_empty(), EMISSION_MAPS),
+        (params.first_colours != NO_COLOURS, VERTEX_COLOURS),
+        (any(Material::has_grain), ANISOTROPY),
     ]
     .into_iter()
     .filter(|(uses, _)| *uses)
     .fold(0, |word, (_, ability)| word | ability)
 }
 
-/// Adds the layers of principled materials, if there are any. Nothing may have been added since the
-/// lights: the kernels look for them right behind.
-fn append_layers(surfaces: &mut Vec<UVec4>, layers: &[Layers], tables: &Tables) {
-    if !layers.is_empty() {
-        append(surfaces, albedos::of_surface());
-        append(surfaces, layers);
-        append(surfaces, &tables.rows);
+/// What surfaces are shaded by, besides triangles and bodies.
+struct Parts<'a> {
+    corners: &'a Corners,
+    materials: &'a [bsdf::Material],
+    lights: &'a Lights,
+    layers: &'a [Layers],
+    tables: &'a Tables,
+}
+
+impl Parts<'_> {
+    /// Adds them to the rows of triangles.
+    fn append_to(&self, surfaces: &mut Vec<UVec4>, params: &mut SceneParams) {
+        params.first_attributes = append(surfaces, &self.corners.attributes);
+        params.first_material = append(surfaces, self.materials);
+        params.first_light = append(surfaces, &self.lights.table);
+        params.first_media = NO_MEDIA;
+        // The kernels look for these right behind the lights.
+        if !self.layers.is_empty() {
+            append(surfaces, albedos::of_surface());
+            append(surfaces, self.layers);
+            append(surfaces, &self.tables.rows);
+        }
+        params.first_emission_map = append(surfaces, &self.lights.maps);
+        if self.layers.iter().any(|layers| layers.strength() > 0.0) {
+            params.first_anisotropic = append(surfaces, anisotropic_albedos::of_anisotropic());
+        }
+        let colours = &self.corners.colours;
+        params.first_colours =
+            if colours.is_empty() { NO_COLOURS } else { append(surfaces, colours) };
     }
 }
 
@@ -235,10 +276,9 @@ fn append<T: Pod>(rows: &mut Vec<UVec4>, elements: &[T]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raystream_shaders::scene::bsdf;
 
     use raystream_shaders::scene::light::EmissionMap;
-    use raystream_shaders::scene::triangle::Attributes;
+    use raystream_shaders::scene::triangle::{Attributes, VertexColours};
 
     /// The rows of an element whose every word differs, and the element.
     fn numbered<T: Pod, const ROWS: usize>() -> ([UVec4; ROWS], T) {
@@ -261,5 +301,7 @@ mod tests {
         assert_eq!(EmissionMap::from_rows(rows), map);
         let (rows, attributes) = numbered::<Attributes, { Attributes::ROWS as usize }>();
         assert_eq!(Attributes::from_rows(rows), attributes);
+        let (rows, colours) = numbered::<VertexColours, { VertexColours::ROWS as usize }>();
+        assert_eq!(VertexColours::from_rows(rows), colours);
     }
 }

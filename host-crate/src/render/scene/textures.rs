@@ -1,8 +1,10 @@
 //! The textures of a scene in one buffer, in the layout of [`raystream_shaders::scene::texture`].
 
 use crate::color::srgb_decode;
-use crate::scene::{Texture, Wrap};
-use raystream_shaders::scene::texture::{CLAMP, DECODE_WORDS, MIRROR, REPEAT};
+use crate::scene::{Texels, Texture, TextureFilter, Wrap};
+use raystream_shaders::scene::texture::{
+    BYTES, CLAMP, DECODE_WORDS, FLOATS, MIRROR, NEAREST, REPEAT, SHORTS,
+};
 
 /// The textures of a scene.
 pub struct Textures {
@@ -13,10 +15,10 @@ pub struct Textures {
 }
 
 /// Puts textures into one buffer, behind the table that decodes them.
-pub fn pack(textures: &[Texture]) -> Textures {
+pub fn pack<'a>(textures: impl IntoIterator<Item = &'a Texture>) -> Textures {
     let mut words: Vec<u32> =
         (0..DECODE_WORDS).map(|code| srgb_to_linear(code).to_bits()).collect();
-    let mut places = Vec::with_capacity(textures.len());
+    let mut places = Vec::new();
     for texture in textures {
         places.push(words.len() as u32);
         let [across, down] = texture.wrap.map(|wrap| match wrap {
@@ -24,8 +26,28 @@ pub fn pack(textures: &[Texture]) -> Textures {
             Wrap::Clamp => CLAMP,
             Wrap::Mirror => MIRROR,
         });
-        words.extend([texture.width | across, texture.height | down]);
-        words.extend(texture.texels.iter().map(|&texel| u32::from_le_bytes(texel)));
+        let filter = match texture.filter {
+            TextureFilter::Linear => 0,
+            TextureFilter::Nearest => NEAREST,
+        };
+        let format = match texture.texels {
+            Texels::Bytes(_) => BYTES,
+            Texels::Shorts(_) => SHORTS,
+            Texels::Floats(_) => FLOATS,
+        };
+        words.extend([texture.width | across | format | filter, texture.height | down]);
+        let pair = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
+        match &texture.texels {
+            Texels::Bytes(texels) => {
+                words.extend(texels.iter().map(|&texel| u32::from_le_bytes(texel)));
+            }
+            Texels::Shorts(texels) => {
+                words.extend(texels.iter().flat_map(|&[r, g, b, a]| [pair(r, g), pair(b, a)]));
+            }
+            Texels::Floats(texels) => {
+                words.extend(texels.as_flattened().iter().map(|value| value.to_bits()));
+            }
+        }
     }
     Textures { words, places }
 }
@@ -38,7 +60,61 @@ fn srgb_to_linear(code: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
+    use raystream_shaders::scene::abilities::{ALL, Fixed};
     use raystream_shaders::scene::texture::TextureView;
+
+    /// The buffer as the kernels see it.
+    fn view(words: &[u32]) -> TextureView<'_, Fixed<ALL>> {
+        TextureView::new(words, Fixed)
+    }
+
+    #[test]
+    fn texels_of_all_formats_are_found_where_the_kernels_look() {
+        // Behind each other, so that a wrong length is seen.
+        let shorts = Texels::Shorts(vec![[1000, 20_000, 65_535, 30_000], [3, 2, 1, 0]]);
+        let floats = Texels::Floats(vec![[0.25, 7.5, 1e-3], [2.0, 0.5, 1.0]]);
+        let bytes = vec![[255, 0, 51, 102]];
+        let all = [
+            Texture::of(1, 2, shorts),
+            Texture::of(2, 1, floats),
+            Texture { filter: TextureFilter::Nearest, ..Texture::new(1, 1, bytes) },
+        ];
+        let Textures { words, places } = pack(&all);
+        let looked_up = view(&words);
+        let close = |a: Vec3, b: Vec3| (a - b).abs().max_element() < 1e-6;
+        let codes = looked_up.codes(places[0], 0.5, 0.75);
+        assert!(close(codes.truncate(), Vec3::new(1000.0, 20_000.0, 65_535.0) / 65_535.0));
+        assert!((codes.w * 65_535.0 - 30_000.0).abs() < 0.01, "{codes}");
+        let expected = [1000.0, 20_000.0, 65_535.0].map(|c: f64| srgb_decode(c / 65_535.0) as f32);
+        assert!(close(looked_up.sample(places[0], 0.5, 0.75), Vec3::from(expected)));
+        assert_eq!(looked_up.sample(places[1], 0.25, 0.5), Vec3::new(0.25, 7.5, 1e-3));
+        assert_eq!(looked_up.reflectance(places[1], 0.25, 0.5), Vec3::new(0.25, 1.0, 1e-3));
+        assert_eq!(looked_up.codes(places[1], 0.75, 0.5), glam::Vec4::new(1.0, 0.5, 1.0, 1.0));
+        assert_eq!(looked_up.sample(places[1], 0.5, 0.5), Vec3::new(1.125, 4.0, 0.5005));
+        let codes = looked_up.codes(places[2], 0.5, 0.5);
+        assert!(close(codes.truncate(), Vec3::new(1.0, 0.0, 0.2)), "{codes}");
+        assert!((codes.w - 0.4).abs() < 1e-6, "{codes}");
+    }
+
+    #[test]
+    fn the_nearest_texel_is_shown_whole() {
+        let texels: Vec<[u8; 4]> = [0, 51, 255].map(|code| [code; 4]).to_vec();
+        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+            let texture = Texture {
+                wrap: [wrap; 2],
+                filter: TextureFilter::Nearest,
+                ..Texture::new(3, 1, texels.clone())
+            };
+            let Textures { words, places } = pack(&[texture]);
+            for (u, expected) in
+                [(0.01, 0.0), (0.32, 0.0), (0.34, 0.2), (0.66, 0.2), (0.67, 1.0), (0.99, 1.0)]
+            {
+                let found = view(&words).codes(places[0], u, 0.1).x;
+                assert!((found - expected).abs() < 1e-6, "{wrap:?} at {u}: {found}");
+            }
+        }
+    }
 
     #[test]
     fn texels_are_found_where_the_kernels_look() {
@@ -47,8 +123,8 @@ mod tests {
         let Textures { words, places } = pack(&[Texture::new(1, 2, texels)]);
         assert_eq!(places, [DECODE_WORDS]);
         assert_eq!(words[256..], [1, 2, 0xff00_00ff, 0xff80_0000]);
-        let view = TextureView::new(&words);
-        assert_eq!(view.sample(places[0], 0.5, 0.75), glam::Vec3::X);
+        let view = view(&words);
+        assert_eq!(view.sample(places[0], 0.5, 0.75), Vec3::X);
         let blue = view.sample(places[0], 0.5, 0.25);
         assert!((blue.z - 0.215_860_5).abs() < 1e-6 && blue.x == 0.0, "{blue}");
     }
@@ -59,7 +135,7 @@ mod tests {
         let texels = [0, 51, 255].map(|code| [code; 4]).to_vec();
         let texture = Texture { wrap: [wrap, Wrap::Repeat], ..Texture::new(3, 1, texels) };
         let Textures { words, places } = pack(&[texture]);
-        TextureView::new(&words).codes(places[0], u, 0.5).x
+        view(&words).codes(places[0], u, 0.5).x
     }
 
     #[test]
@@ -93,7 +169,7 @@ mod tests {
         let texels = vec![[0; 4], [255; 4]];
         let wrap = [Wrap::Repeat, Wrap::Clamp];
         let Textures { words, places } = pack(&[Texture { wrap, ..Texture::new(1, 2, texels) }]);
-        let view = TextureView::new(&words);
+        let view = view(&words);
         // The upper texel is black; v = 0 is the bottom.
         let found = [-3.0, 0.25, 0.75, 7.0].map(|v| view.codes(places[0], 9.0, v).x);
         assert_eq!(found, [1.0, 1.0, 0.0, 0.0]);

@@ -46,7 +46,7 @@ impl<'a> Document<'a> {
     pub(super) fn parse(
         source: &dyn Source,
         SceneBytes { path, folder, bytes }: SceneBytes<'a>,
-        options: LoadOptions,
+        options: &LoadOptions,
     ) -> Result<Self, SceneError> {
         let (json, mut binary) = split(path, bytes)?;
         let root = root(path, &json)?;

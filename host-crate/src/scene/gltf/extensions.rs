@@ -10,6 +10,8 @@ pub(super) const WEBP: &str = "EXT_texture_webp";
 pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// The extension that moves texture coordinates.
 pub(super) const TRANSFORM: &str = "KHR_texture_transform";
+/// The extension of materials that take each other's place.
+pub(super) const VARIANTS: &str = "KHR_materials_variants";
 /// The older model of materials.
 pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
@@ -19,6 +21,7 @@ const READ: &[&str] = &[
     WEBP,
     TRANSFORM,
     SPECULAR_GLOSSINESS,
+    VARIANTS,
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",

@@ -3,7 +3,7 @@
 use crate::scene::instance::normal_map;
 use crate::scene::material::MaterialId;
 use crate::scene::mesh::Mesh;
-use glam::{DMat3, DMat4, Vec2, Vec3};
+use glam::{DMat3, DMat4, Vec2, Vec3, Vec4};
 
 /// Triangles of one material, with vertices that they share.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +13,8 @@ pub(super) struct Geometry {
     pub normals: Option<Vec<Vec3>>,
     /// One for each position, with (0, 0) at the lower left.
     pub texture_coordinates: Option<Vec<Vec2>>,
+    /// One for each position, linear, with alpha, each component in [0, 1].
+    pub colours: Option<Vec<Vec4>>,
     /// Indices of positions.
     pub triangles: Vec<[u32; 3]>,
     /// Whether triangles come of strips.
@@ -37,6 +39,7 @@ impl Geometry {
             triangles: self.triangles.iter().copied().map(seen).collect(),
             normals: self.of_corners(normals.as_deref(), seen),
             texture_coordinates: self.of_corners(self.texture_coordinates.as_deref(), seen),
+            colours: self.of_corners(self.colours.as_deref(), seen),
         }
     }
 

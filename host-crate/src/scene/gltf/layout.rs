@@ -35,6 +35,10 @@ impl Default for Transform {
 }
 
 impl Layout {
+    /// The first set as it is.
+    pub(super) const FIRST: Self =
+        Self { set: 0, offset: DVec2::ZERO, rotation: 0.0, scale: DVec2::ONE };
+
     /// The layout of a texture with this set of coordinates and this extension, if it has that.
     pub(super) fn new(
         document: &Document<'_>,

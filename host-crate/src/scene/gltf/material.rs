@@ -24,7 +24,8 @@ const METALLIC: u32 = 2;
 /// That of opacity.
 const ALPHA: usize = 3;
 
-const ALPHA_OF_VERTICES: Fate = Fate::Becomes("the alpha of vertices does not count: ");
+const ALPHA_OF_BODIES: Fate =
+    Fate::Becomes("bodies have no holes, the alpha of their vertices does not count: ");
 
 /// The colour of all vertices of a primitive.
 #[derive(Clone, Copy)]
@@ -55,8 +56,8 @@ pub(super) struct Made {
 }
 
 /// What tells materials of a scene apart that are one in the file: its number there, the colour of
-/// vertices, whether there are texture coordinates.
-type Key = (Option<usize>, [u32; 3], bool);
+/// vertices, whether their alpha counts, whether there are texture coordinates.
+type Key = (Option<usize>, [u32; 3], bool, bool);
 
 /// The materials of a file as they are made.
 pub(super) struct Materials<'a> {
@@ -69,7 +70,7 @@ impl<'a> Materials<'a> {
     pub(super) fn new(
         document: &'a Document<'a>,
         source: &'a dyn Source,
-        options: LoadOptions,
+        options: &LoadOptions,
     ) -> Self {
         Self {
             sources: Sources {
@@ -103,37 +104,47 @@ impl<'a> Materials<'a> {
         if described.is_invisible {
             return Ok(Made { surface: Surface::Nothing, layout: None });
         }
-        if !vertices.is_opaque && described.may_be_seen_through {
-            let thing = format!("COLOR_0 of {place}");
-            self.sources.summary.note(
-                self.sources.document.path,
-                0,
-                ALPHA_OF_VERTICES,
-                &thing,
-                &described.name,
-            );
-        }
+        let has_alpha = !vertices.is_opaque && self.takes_alpha(&described, place);
         let layout = described.layout().filter(|layout| has_set(layout.set));
-        if layout.is_none() && described.layout().is_some() {
-            self.sources.summary.note(
-                self.sources.document.path,
-                0,
-                Fate::MeanOfTexture,
-                place,
-                &described.name,
-            );
+        let path = self.sources.document.path;
+        let mut note = |fate| self.sources.summary.note(path, 0, fate, place, &described.name);
+        if layout.is_none() && described.layout_of_textures().is_some() {
+            note(Fate::MeanOfTexture);
         }
-        let key = (material, vertices.colour.to_array().map(f32::to_bits), layout.is_some());
+        if layout.is_none() && described.plain.anisotropy.strength > 0.0 {
+            note(Fate::WithoutGrain);
+        }
+        let colour = vertices.colour.to_array().map(f32::to_bits);
+        let key = (material, colour, has_alpha, layout.is_some());
         let id = match self.made.get(&key) {
             Some(&id) => id,
             None => {
-                let made = self.make(&described, vertices.colour, layout.is_some());
+                let mut made = self.make(&described, vertices.colour, layout.is_some());
+                if has_alpha && made.opacity == Opacity::Opaque {
+                    made.opacity = described.opacity;
+                }
                 let id = scene.add_material(Material::Principled(made));
                 self.made.insert(key, id);
                 id
             }
         };
         Ok(Made { surface: Surface::Of(id), layout })
+    }
+
+    /// Whether the alpha of vertices counts for a material; says so if it should and does not.
+    fn takes_alpha(&mut self, described: &Described, place: &str) -> bool {
+        let Described { plain, opacity, .. } = described;
+        if *opacity == Opacity::Opaque || plain.emission != Vec3::ZERO {
+            return false;
+        }
+        let is_body = plain.transmission > 0.0 && !plain.thin_walled;
+        if is_body && plain.opacity == Opacity::Opaque {
+            let thing = format!("COLOR_0 of {place}");
+            let Sources { document, summary, .. } = &mut self.sources;
+            summary.note(document.path, 0, ALPHA_OF_BODIES, &thing, &described.name);
+            return false;
+        }
+        true
     }
 
     /// The material with its textures, or else with their means.
@@ -149,6 +160,7 @@ impl<'a> Materials<'a> {
                 roughness: channel(ROUGHNESS),
                 metallic: channel(METALLIC),
                 normal: normal.map(|(slot, scale)| NormalMap { texture: slot.texture, scale }),
+                bump: None,
                 emission: emission.map(|slot| slot.texture),
             };
             return made;
@@ -162,7 +174,7 @@ impl<'a> Materials<'a> {
             }
         }
         if let Some(slot) = emission {
-            made.emission *= pictures.get(slot.texture).mean();
+            made.emission *= pictures.get(slot.texture).mean_emission();
         }
         if let Some(slot) = roughness {
             let texture = pictures.get(slot.texture);
@@ -175,6 +187,8 @@ impl<'a> Materials<'a> {
     /// Hands over the textures, and says what is left out of materials.
     pub(super) fn finish(self, scene: &mut Scene) {
         self.sources.summary.finish(scene);
-        scene.textures = self.sources.textures.pictures.textures;
+        let pictures = self.sources.textures.pictures;
+        scene.textures = pictures.textures;
+        scene.warnings.extend(pictures.warnings);
     }
 }

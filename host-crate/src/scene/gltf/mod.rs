@@ -19,6 +19,7 @@ mod placed;
 mod primitive;
 mod specular_glossiness;
 mod texture;
+mod variants;
 
 pub(super) use document::is_binary;
 
@@ -28,6 +29,7 @@ use self::material::{Materials, Surface};
 use self::nodes::Nodes;
 use self::placed::Placed;
 use self::primitive::{Primitive, Shape};
+use self::variants::Variants;
 use super::camera::Camera;
 use super::clean::Cleaner;
 use super::description::Scene;
@@ -47,18 +49,20 @@ use std::rc::Rc;
 pub(super) fn load(
     source: &dyn Source,
     file: SceneBytes<'_>,
-    options: LoadOptions,
+    options: &LoadOptions,
 ) -> Result<Scene, SceneError> {
     let mut document = Document::parse(source, file, options)?;
     if let Some(at) = options.at {
         animation::pose(&mut document, at)?;
     }
     let nodes = Nodes::of(&document)?;
+    let variants = Variants::of(&document, options.variant.as_deref())?;
     let mut scene = Scene::new(Camera::new(Vec3::Z, Vec3::ZERO, 40.0), FilmSize::default());
     scene.name = file.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
     document.warn(options.at.is_some(), &mut scene);
     let mut materials = Materials::new(&document, source, options);
-    let placed = place(&document, &nodes, &mut materials, &mut scene)?;
+    let placed = place(&document, &nodes, &variants, &mut materials, &mut scene)?;
+    scene.variants = variants.names;
     let placed = placed::gathered(placed, &document, &scene)?;
     let origin = origin_of(placed.iter().flat_map(Placed::sampled));
     let mut cleaner = Cleaner::new(false);
@@ -108,6 +112,7 @@ fn has_lamp(scene: &Scene) -> bool {
 fn place(
     document: &Document<'_>,
     nodes: &Nodes,
+    variants: &Variants,
     materials: &mut Materials<'_>,
     scene: &mut Scene,
 ) -> Result<Vec<Placed>, SceneError> {
@@ -126,7 +131,7 @@ fn place(
             let shape = match rigid.get(&key).filter(|_| !is_bent) {
                 Some(shape) => shape.clone(),
                 None => {
-                    let shape = primitive.shape(materials, scene, &mut lacks)?;
+                    let shape = primitive.shape(variants, materials, scene, &mut lacks)?;
                     if !is_bent {
                         rigid.insert(key, shape.clone());
                     }

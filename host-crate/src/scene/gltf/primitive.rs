@@ -4,10 +4,11 @@ use super::document::Document;
 use super::geometry::Geometry;
 use super::layout::Layout;
 use super::material::{Materials, Surface, VertexColour};
+use super::variants::Variants;
 use crate::scene::bounds::MAX_COORDINATE;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use gltf::json;
 use gltf::json::mesh::{Mode, Semantic};
 use gltf::json::validation::Checked::Valid;
@@ -40,7 +41,6 @@ pub(super) struct Lacks {
     points_and_lines: usize,
     positions: usize,
     numbers: usize,
-    mixed_colours: usize,
 }
 
 impl Lacks {
@@ -52,11 +52,6 @@ impl Lacks {
             (
                 self.numbers,
                 "parts of meshes have normals or texture coordinates that are no numbers",
-            ),
-            (
-                self.mixed_colours,
-                "parts of meshes whose vertices differ in colour are shown in the mean of their \
-                 colours",
             ),
         ];
         for (count, what) in remarks.into_iter().filter(|(count, _)| *count > 0) {
@@ -115,6 +110,7 @@ impl Primitive<'_, '_> {
     /// Its triangles and what they are made of, in the space of the mesh.
     pub(super) fn shape(
         &self,
+        variants: &Variants,
         materials: &mut Materials<'_>,
         scene: &mut Scene,
         lacks: &mut Lacks,
@@ -141,9 +137,9 @@ impl Primitive<'_, '_> {
         }
         let mut has_all_numbers = true;
         let normals = self.normals(count, &mut has_all_numbers)?;
-        let colour = self.colour(count, lacks)?;
+        let (colour, colours) = self.colours(count)?;
         let has_set = |set: u32| self.attribute(Semantic::TexCoords(set)).is_some();
-        let material = self.json().material.map(|material| material.value());
+        let material = variants.material(self)?;
         let made = materials.surface(material, colour, has_set, &self.place(), scene)?;
         let texture_coordinates = match &made.layout {
             Some(layout) => self.texture_coordinates(layout, count, &mut has_all_numbers)?,
@@ -154,6 +150,7 @@ impl Primitive<'_, '_> {
             positions: positions.into_iter().map(Vec3::from_array).collect(),
             normals,
             texture_coordinates,
+            colours,
             triangles,
             is_joined: mode == Mode::TriangleStrip,
         };
@@ -198,10 +195,11 @@ impl Primitive<'_, '_> {
         Ok(Some(coordinates.into_iter().map(usable).collect()))
     }
 
-    /// The colour of its vertices.
-    fn colour(&self, count: usize, lacks: &mut Lacks) -> Result<VertexColour, SceneError> {
+    /// The colour that all of its vertices have, and those of each where they differ or let light
+    /// pass.
+    fn colours(&self, count: usize) -> Result<(VertexColour, Option<Vec<Vec4>>), SceneError> {
         let Some(accessor) = self.attribute(Semantic::Colors(0)) else {
-            return Ok(VertexColour::WHITE);
+            return Ok((VertexColour::WHITE, None));
         };
         let name = "COLOR_0";
         let components = self.document.components(accessor, &self.attribute_place(name))?;
@@ -212,19 +210,13 @@ impl Primitive<'_, '_> {
             self.vectors::<4>(accessor, name, count)?
         };
         let share = |c: f32| if c.is_nan() { 0.0 } else { c.clamp(0.0, 1.0) };
-        let colours = || colours.iter().map(|colour| colour.map(share));
-        let first = colours().next().unwrap_or([1.0; 4]);
-        let is_opaque = colours().all(|[.., alpha]| alpha == 1.0);
-        let [r, g, b, _] = if colours().all(|colour| colour == first) {
-            first
-        } else {
-            lacks.mixed_colours += 1;
-            let sum = colours().fold([0.0_f64; 4], |sum, colour| {
-                std::array::from_fn(|k| sum[k] + f64::from(colour[k]))
-            });
-            sum.map(|sum| (sum / count as f64) as f32)
-        };
-        Ok(VertexColour { colour: Vec3::new(r, g, b), is_opaque })
+        let colours: Vec<Vec4> = colours.iter().map(|colour| colour.map(share).into()).collect();
+        let first = colours.first().copied().unwrap_or(Vec4::ONE);
+        let is_opaque = colours.iter().all(|colour| colour.w == 1.0);
+        if is_opaque && colours.iter().all(|colour| *colour == first) {
+            return Ok((VertexColour { colour: first.truncate(), is_opaque }, None));
+        }
+        Ok((VertexColour { colour: Vec3::ONE, is_opaque }, Some(colours)))
     }
 
     /// The corners of its triangles among `count` vertices.

@@ -4,18 +4,14 @@ use super::document::Document;
 use super::extensions::WEBP;
 use crate::scene::error::SceneError;
 use crate::scene::options::LoadOptions;
-use crate::scene::picture::Pictures;
+use crate::scene::picture::{self, Pictures};
 use crate::scene::source::Source;
 use crate::scene::summary::{Fate, Summary};
-use crate::scene::texture::{TextureId, Wrap};
+use crate::scene::texture::{TextureFilter, TextureId, Wrap};
 use gltf::json::Value;
 use gltf::json::texture::{MagFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked::{self, Valid};
 use std::path::PathBuf;
-
-/// Textures of large texels, which shall be seen.
-const BLENDED: Fate =
-    Fate::Becomes("these textures are interpolated, though magFilter asks for whole texels: ");
 
 /// The textures of a file as they are read.
 pub(super) struct Textures<'a> {
@@ -29,9 +25,9 @@ impl<'a> Textures<'a> {
     pub(super) fn new(
         document: &'a Document<'a>,
         source: &'a dyn Source,
-        options: LoadOptions,
+        options: &LoadOptions,
     ) -> Self {
-        Self { pictures: Pictures::new(options), document, source, options }
+        Self { pictures: Pictures::new(options), document, source, options: options.clone() }
     }
 
     /// The texture `index`, which `place` names for a `material`; none, with a note, if its picture
@@ -64,12 +60,14 @@ impl<'a> Textures<'a> {
             }
             None => Sampler::default(),
         };
-        if sampler.mag_filter == Some(Valid(MagFilter::Nearest)) {
-            summary.note(document.path, 0, BLENDED, &here, material);
-        }
+        let filter = match sampler.mag_filter {
+            Some(Valid(MagFilter::Nearest)) => TextureFilter::Nearest,
+            _ => TextureFilter::Linear,
+        };
         let wrap = [sampler.wrap_s, sampler.wrap_t].map(|mode| self.wrap(mode, &here));
         let [across, down] = wrap;
-        self.picture(image, [across?, down?], &here, material, summary)
+        let sampler = picture::Sampler { wrap: [across?, down?], filter };
+        self.picture(image, sampler, &here, material, summary)
     }
 
     fn wrap(&self, mode: Checked<WrappingMode>, place: &str) -> Result<Wrap, SceneError> {
@@ -86,7 +84,7 @@ impl<'a> Textures<'a> {
     fn picture(
         &mut self,
         index: usize,
-        wrap: [Wrap; 2],
+        sampler: picture::Sampler,
         place: &str,
         material: &str,
         summary: &mut Summary,
@@ -106,7 +104,7 @@ impl<'a> Textures<'a> {
                 SceneError::Missing { path: document.path.to_owned(), key: here.clone(), wanted }
             })
         };
-        let loaded = self.pictures.load_by(&self.name(index), wrap, read);
+        let loaded = self.pictures.load_by(&self.name(index), sampler, read);
         let mut note = |fate, thing: &str| summary.note(document.path, 0, fate, thing, material);
         match (loaded, missing) {
             (Ok(texture), _) => Ok(Some(texture)),

@@ -77,7 +77,7 @@ impl FileEnvironment {
     pub(super) fn light(
         &self,
         names: &Names<'_>,
-        options: LoadOptions,
+        options: &LoadOptions,
         scene: &mut Scene,
     ) -> Result<(), SceneError> {
         let Self(keys) = self;

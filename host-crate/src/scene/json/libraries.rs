@@ -14,7 +14,7 @@ pub(super) fn read(
     source: &dyn Source,
     obj_path: &Path,
     statements: &[Name],
-    options: LoadOptions,
+    options: &LoadOptions,
     warnings: &mut Vec<String>,
     summary: &mut Summary,
 ) -> Result<Library, SceneError> {

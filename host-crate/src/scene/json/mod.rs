@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 pub(super) fn load(
     source: &dyn Source,
     SceneBytes { path, folder, bytes }: SceneBytes<'_>,
-    options: LoadOptions,
+    options: &LoadOptions,
 ) -> Result<Scene, SceneError> {
     let file = SceneFile::parse(path, bytes)?;
     let names = Names { source, scene: path, folder };
@@ -82,6 +82,7 @@ pub(super) fn load(
         pictures = parts.finish(obj, &mut scene);
     }
     scene.textures = pictures.textures;
+    scene.warnings.extend(pictures.warnings);
     add_quads(path, &file, origin, &mut scene)?;
     add_lights(path, &file, origin, &mut scene)?;
     if let Some(environment) = &file.environment {
@@ -101,7 +102,7 @@ const PER_TRIANGLE: u64 = 400;
 fn keeps_instances(
     path: &Path,
     meshes: &[LoadedObj<'_>],
-    options: LoadOptions,
+    options: &LoadOptions,
 ) -> Result<bool, SceneError> {
     let repeated = |mesh: &LoadedObj<'_>| {
         let triangles: usize = mesh.obj.parts.iter().map(Part::triangle_count).sum();
@@ -133,7 +134,7 @@ impl<'a> LoadedObj<'a> {
     fn read(
         rules: &'a FileMesh,
         names: &Names<'_>,
-        options: LoadOptions,
+        options: &LoadOptions,
         memory: u64,
     ) -> Result<Self, SceneError> {
         if rules.instances.as_ref().is_some_and(Vec::is_empty) {

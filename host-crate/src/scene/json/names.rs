@@ -2,7 +2,7 @@
 
 use super::material::key_of;
 use crate::scene::error::SceneError;
-use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
+use crate::scene::rule::{MaterialRule, TextureFile, TexturedRule};
 use crate::scene::source::{Source, environment, expand, portable};
 use std::path::{Path, PathBuf};
 
@@ -50,10 +50,10 @@ impl Names<'_> {
         obj_folder: &Path,
     ) -> Result<MaterialRule, SceneError> {
         let MaterialRule::Textured(textured) = rule else { return Ok(rule.clone()) };
-        let find = |(slot, line, file): &(Slot, usize, PathBuf)| {
-            let key = format!("{key}.{}", key_of(*slot));
-            let path = self.find(&key, &file.to_string_lossy(), &[obj_folder, self.folder])?;
-            Ok((*slot, *line, path))
+        let find = |file: &TextureFile| {
+            let key = format!("{key}.{}", key_of(file.slot));
+            let path = self.find(&key, &file.path.to_string_lossy(), &[obj_folder, self.folder])?;
+            Ok(TextureFile { path, ..*file })
         };
         let textures = textured.textures.iter().map(find).collect::<Result<_, SceneError>>()?;
         Ok(MaterialRule::Textured(TexturedRule { textures, ..textured.clone() }))

@@ -16,14 +16,18 @@ use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::obj::{Obj, Part, Placement};
 use crate::scene::options::{LoadOptions, is_worth_keeping};
 use crate::scene::picture::Pictures;
-use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
+use crate::scene::rule::{MaterialRule, Slot, TextureFile, TexturedRule};
 use crate::scene::source::parent;
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
 use crate::scene::texture::TextureId;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
+
+/// As Blender writes them.
+const NORMALS: Fate = Fate::Judged("this bump map is a picture of normals and is read as one: ");
+const UNREADABLE_BUMP: Fate = Fate::Becomes("these bump maps cannot be read and are left out: ");
 
 /// What is the same for all places of a scene.
 #[derive(Clone, Copy)]
@@ -44,6 +48,8 @@ pub(super) struct Parts<'a> {
     places: Places,
     options: LoadOptions,
     library: Library,
+    /// Whether vertices have colours.
+    has_colours: bool,
     pictures: Pictures,
     cleaner: Cleaner,
     summary: Summary,
@@ -80,7 +86,7 @@ impl<'a> Parts<'a> {
         names: Names<'a>,
         (obj_path, obj_text): (&'a Path, &'a [u8]),
         places: Places,
-        options: LoadOptions,
+        options: &LoadOptions,
         pictures: Pictures,
     ) -> Self {
         Self {
@@ -90,8 +96,9 @@ impl<'a> Parts<'a> {
             obj_path,
             obj_text,
             places,
-            options,
+            options: options.clone(),
             library: Library::default(),
+            has_colours: false,
             pictures,
             cleaner: Cleaner::new(rules.dedupe),
             summary: Summary::default(),
@@ -106,11 +113,12 @@ impl<'a> Parts<'a> {
         obj: &Obj,
         scene: &mut Scene,
     ) -> Result<(), SceneError> {
+        self.has_colours = obj.coloured > 0;
         self.library = libraries::read(
             self.names.source,
             self.obj_path,
             &obj.libraries,
-            self.options,
+            &self.options,
             &mut scene.warnings,
             &mut self.summary,
         )?;
@@ -125,7 +133,7 @@ impl<'a> Parts<'a> {
         };
         let (material, map, surface) = match surface {
             Surface::Null => (None, None, surface),
-            Surface::Plain(id) => (Some(id), None, surface),
+            Surface::Plain(id) => (Some(id), self.map_of_grain(id, part, scene), surface),
             Surface::Textured(mut textured) => {
                 let has_coordinates = part.has_texture_coordinates;
                 let id = self.textured_material(&mut textured, part, scene);
@@ -139,6 +147,21 @@ impl<'a> Parts<'a> {
             return Err(Obj::unusable(self.obj_path, self.obj_text, line));
         }
         self.place(part, material, map.as_ref(), scene)
+    }
+
+    /// Where texture coordinates lie that say along what a material without textures is rougher.
+    fn map_of_grain(&mut self, id: MaterialId, part: &Part, scene: &Scene) -> Option<TextureMap> {
+        if !scene.materials[id.0 as usize].has_grain() {
+            return None;
+        }
+        if !part.has_texture_coordinates {
+            let faces = if part.faces == 1 { "face" } else { "faces" };
+            let thing = format!("{} {faces}", part.faces);
+            let (line, name) = (part.first_line, part.material.to_string());
+            self.summary.note(self.obj_path, line, Fate::WithoutGrain, &thing, &name);
+            return None;
+        }
+        Some(TextureMap::default())
     }
 
     /// Adds a part of this material in all of its places.
@@ -156,16 +179,32 @@ impl<'a> Parts<'a> {
             return Err(self.too_far());
         }
         let instances = self.rules.instances.as_deref().unwrap_or_default();
+        let takes_colours = scene.materials[material.0 as usize].takes_colours();
+        if part.has_colours() && !takes_colours {
+            let (line, name) = (part.first_line, part.material.to_string());
+            self.summary.note(
+                self.obj_path,
+                line,
+                Fate::WithoutEffect,
+                "colours of vertices",
+                &name,
+            );
+        }
+        let mesh = |placement: &Placement| {
+            let mut mesh = part.mesh(material, placement, map);
+            mesh.colours = mesh.colours.filter(|_| takes_colours);
+            mesh
+        };
         if !keeps_instances || !is_worth_keeping(part.triangle_count(), instances.len()) {
             for placement in &placements {
-                let mut mesh = part.mesh(material, placement, map);
+                let mut mesh = mesh(placement);
                 self.cleaner.clean(&mut mesh);
                 scene.add_mesh(mesh);
             }
             return Ok(());
         }
         let first = Placement { transform: self.rules.transform, origin: DVec3::ZERO };
-        let mut shape = part.mesh(material, &first, map);
+        let mut shape = mesh(&first);
         self.cleaner.clean(&mut shape);
         let taken_off = DAffine3::from_translation(-origin);
         let transforms: Vec<DAffine3> = instances.iter().map(|t| taken_off * *t).collect();
@@ -248,7 +287,9 @@ impl<'a> Parts<'a> {
             Some(rule) => rule,
             None => {
                 self.undescribed.push(shown);
-                Ok(mtl::DEFAULT)
+                // Vertices say what colour it has.
+                let white = MaterialRule::Plain(Material::diffuse(Vec3::ONE));
+                Ok(if self.has_colours { white } else { mtl::DEFAULT })
             }
         }
     }
@@ -263,10 +304,19 @@ impl<'a> Parts<'a> {
         let name = name.to_string();
         let mut material = rule.material;
         let mut textures = Vec::new();
-        for (slot, line, path) in &rule.textures {
+        for TextureFile { slot, line, path, filter } in &rule.textures {
             let file = rule.otherwise.as_ref().map_or(self.names.scene, |o| o.mtl.as_path());
-            match (self.pictures.load(self.names.source, path), &rule.otherwise) {
-                (Ok(texture), _) => {
+            match (self.pictures.load(self.names.source, path, *filter), &rule.otherwise) {
+                (Ok(texture), otherwise) => {
+                    let of_mtl = otherwise.is_some();
+                    let slot = &match *slot {
+                        Slot::Bump(height) if of_mtl && self.pictures.is_of_normals(texture) => {
+                            let thing = path.display().to_string();
+                            self.summary.note(file, *line, NORMALS, &thing, &name);
+                            Slot::Normal(height)
+                        }
+                        slot => slot,
+                    };
                     let is_colour = *slot == Slot::Colour && !material.has_holes();
                     if is_colour && self.pictures.has_alpha(texture) {
                         let thing = format!("alpha of {}", path.display());
@@ -277,6 +327,7 @@ impl<'a> Parts<'a> {
                 (Err(error), Some(otherwise)) => {
                     let fate = match slot {
                         Slot::Emission => Fate::UnreadableEmission,
+                        Slot::Bump(_) => UNREADABLE_BUMP,
                         _ => Fate::UnreadableTexture,
                     };
                     self.summary.note(file, *line, fate, &error.to_string(), &name);

@@ -10,7 +10,6 @@ pub(super) fn of(obj: &Obj, is_smooth: bool) -> impl Iterator<Item = String> {
         is_smooth.then(|| normals(obj)).flatten(),
         texture_coordinates(obj),
         unusable(obj),
-        colours(obj),
         unread(obj),
     ];
     remarks.into_iter().flatten()
@@ -59,12 +58,6 @@ fn unusable(obj: &Obj) -> Option<String> {
         "lines v, vt or vn without usable numbers, which nothing uses: {count}, the first is line \
          {line}"
     ))
-}
-
-fn colours(obj: &Obj) -> Option<String> {
-    let (count, line) = obj.coloured;
-    (count > 0)
-        .then(|| format!("colours of vertices are left out: {count}, the first in line {line}"))
 }
 
 fn unread(obj: &Obj) -> Option<String> {

@@ -211,6 +211,8 @@ checked! { Number:
     Strength(f32) = bounds::strength;
     /// The diameter of a light at infinity, in degrees.
     AngularDiameter(f32) = bounds::angular_diameter;
+    /// How high a bump map is, in world units.
+    Height(f32) = bounds::scale;
     /// What slopes are multiplied by.
     Slope(f32) = bounds::scale;
     /// An angle of view in degrees.

@@ -33,7 +33,7 @@ pub(super) struct Obj {
     /// The keywords of lines that are not read, with how many there are and the first.
     pub unread: BTreeMap<Name, (usize, usize)>,
     /// How many vertices have colours, and the line of the first.
-    pub coloured: (usize, usize),
+    pub coloured: usize,
     /// How many vertices, texture coordinates and normals are unusable, and the first such line.
     pub unusable: Option<(usize, usize)>,
 }

@@ -2,11 +2,12 @@
 
 use super::polygon::Cutter;
 use super::texture_map::TextureMap;
+use crate::color::srgb_decode;
 use crate::scene::bounds::MAX_COORDINATE;
 use crate::scene::material::MaterialId;
 use crate::scene::mesh::Mesh;
 use crate::scene::text::Name;
-use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3, Vec4};
 
 /// All faces of one material that have the same of texture coordinates and normals.
 #[derive(Debug)]
@@ -46,7 +47,8 @@ impl Part {
         self.mesh.positions.chunks_exact(3).map(DVec3::from_slice)
     }
 
-    /// Its triangles where `placement` has them, with its normals if there are any, and with the
+    /// Its triangles where `placement` has them, with its normals and colours if there are any,
+    /// and with the
     /// texture coordinates that `map` makes of its own, if wanted.
     pub(in crate::scene) fn mesh(
         &self,
@@ -67,8 +69,12 @@ impl Part {
         let uv = |corner: usize| {
             DVec2::from_slice(&self.mesh.texcoords[2 * texcoord_indices[corner] as usize..])
         };
+        let colour = |corner: usize| self.colour(indices[corner] as usize);
         Mesh {
             material,
+            colours: self
+                .has_colours()
+                .then(|| triangles.iter().map(|corners| corners.map(colour)).collect()),
             positions: placement.positions(self).map(DVec3::as_vec3).collect(),
             triangles: triangles.iter().map(|corners| corners.map(|at| indices[at])).collect(),
             normals: self
@@ -81,6 +87,17 @@ impl Part {
                     .collect()
             }),
         }
+    }
+
+    /// Whether its vertices have colours.
+    pub(in crate::scene) fn has_colours(&self) -> bool {
+        !self.mesh.vertex_color.is_empty()
+    }
+
+    /// The colour of a vertex, which the file has as sRGB: so programs write them.
+    fn colour(&self, vertex: usize) -> Vec4 {
+        let code = DVec3::from_slice(&self.mesh.vertex_color[3 * vertex..]);
+        DVec3::from(code.to_array().map(srgb_decode)).as_vec3().extend(1.0)
     }
 
     /// The triangles of its faces, as places in the lists of indices.

@@ -4,6 +4,7 @@ use super::problem::{BadLine, Cost};
 use crate::scene::bounds::{MAX_COORDINATE, MAX_PLACE};
 use crate::scene::text::{Lines, shown, split_keyword, words};
 use glam::DVec3;
+use std::fmt::Write as _;
 
 /// The lists of an OBJ, as indices of arrays.
 pub(super) const V: usize = 0;
@@ -26,9 +27,14 @@ pub(super) struct Vertices {
     /// The indices, from 1, of those that are unusable, with their lines: an error only if a face
     /// that is shown uses them.
     unusable: [Vec<(usize, usize)>; 3],
-    /// How many vertices have a colour of their own, and the first such line.
-    pub coloured: (usize, usize),
+    /// How many vertices have another colour than white.
+    pub coloured: usize,
+    /// Red, green and blue of all vertices so far, in [0, 1] as they stand there, once one of them
+    /// is not white.
+    colours: Vec<[f32; 3]>,
 }
+
+const WHITE: [f32; 3] = [1.0; 3];
 
 /// Which list a keyword adds to.
 pub(super) fn list_of(keyword: &[u8]) -> Option<usize> {
@@ -53,6 +59,9 @@ impl Vertices {
             cost.vertex(number, rest.len())?;
             vertices.add(list, number, rest);
         }
+        if vertices.coloured > 0 {
+            vertices.text = with_colours(&vertices.text, &vertices.colours);
+        }
         Ok(vertices)
     }
 
@@ -64,11 +73,15 @@ impl Vertices {
             self.text.truncate(before);
             self.text.push_str(["v 0 0 0", "vt 0 0", "vn 0 0 0"][list]);
             self.unusable[list].push((self.counts[list], number));
-        } else if list == V && has_colour(words) {
-            if self.coloured.0 == 0 {
-                self.coloured.1 = number;
+        } else if list == V {
+            let colour = colour(words).unwrap_or(WHITE);
+            if colour != WHITE {
+                self.colours.resize(self.counts[V] - 1, WHITE);
+                self.coloured += 1;
             }
-            self.coloured.0 += 1;
+            if self.coloured > 0 {
+                self.colours.push(colour);
+            }
         }
         self.text.push('\n');
     }
@@ -147,14 +160,30 @@ fn not_a_number(word: &[u8]) -> String {
     format!("`{}` is not a number", shown(word))
 }
 
-/// Whether what follows a position is a colour other than white. Alone, a number is a weight.
-fn has_colour<'a>(words: impl Iterator<Item = &'a [u8]>) -> bool {
-    let (mut count, mut is_white) = (0, true);
-    for word in words {
-        count += 1;
-        is_white &= std::str::from_utf8(word).is_ok_and(|word| word.parse() == Ok(1.0));
+/// The colour that follows a position, if that are numbers: behind a weight, if there is one more.
+/// Alone, a number is a weight.
+fn colour<'a>(words: impl Iterator<Item = &'a [u8]>) -> Option<[f32; 3]> {
+    let number = |word: &[u8]| std::str::from_utf8(word).ok()?.parse::<f32>().ok();
+    let numbers: Vec<f32> = words.map(number).collect::<Option<_>>()?;
+    let &[.., red, green, blue] = &numbers[..] else { return None };
+    let share = |value: f32| if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) };
+    Some([red, green, blue].map(share))
+}
+
+/// The lines with the colours of their vertices; those behind the last one are white.
+fn with_colours(text: &str, colours: &[[f32; 3]]) -> String {
+    let mut colours = colours.iter();
+    let mut coloured = String::with_capacity(2 * text.len());
+    for line in text.lines() {
+        coloured.push_str(line);
+        if line.starts_with("v ") {
+            let [red, green, blue] = colours.next().unwrap_or(&WHITE);
+            // A string takes whatever is written to it.
+            let _ = write!(coloured, " {red} {green} {blue}");
+        }
+        coloured.push('\n');
     }
-    count >= 3 && !is_white
+    coloured
 }
 
 #[cfg(test)]
@@ -172,12 +201,20 @@ mod tests {
     #[test]
     fn the_plain_form_has_what_is_read() {
         let vertices = parse("v 1 2 3 1 0 0 # red\r\nvt 1 2 0\n# v 9 9 9\nvt .5\nvn 0 0 1e200\n");
-        assert_eq!(vertices.text, "v 1 2 3\nvt 1 2\nvt .5 0\nvn 0 0 1e200\n");
+        assert_eq!(vertices.text, "v 1 2 3 1 0 0\nvt 1 2\nvt .5 0\nvn 0 0 1e200\n");
         assert_eq!(vertices.counts, [1, 2, 1]);
-        assert_eq!(vertices.coloured, (1, 1));
-        assert_eq!(parse("v 1 2 3 1 1 1\nv 1 2 3 .5\n").coloured.0, 0);
+        let white = parse("v 1 2 3 1 1 1\nv 1 2 3 .5\nv 1 2 3 a b c\n");
+        assert_eq!(white.text, "v 1 2 3\nv 1 2 3\nv 1 2 3\n");
         let flat = Vertices::parse(b"vn 0 x\nv 1 2 3", false, &mut Cost::new(1 << 20)).unwrap();
         assert_eq!((flat.text.as_str(), flat.counts), ("v 1 2 3\n", [1, 0, 0]));
+    }
+
+    #[test]
+    fn colours_are_those_of_their_vertices() {
+        let text = "v 1 2 3\nv x 0 0\nv 1 1 1 .5 0 2\nvn 0 0 1\nv 9 9 9 0.7 1 nan -1\nv 8 8 8 1\n";
+        let expected = "v 1 2 3 1 1 1\nv 0 0 0 1 1 1\nv 1 1 1 0.5 0 1\nvn 0 0 1\n\
+                        v 9 9 9 1 1 0\nv 8 8 8 1 1 1\n";
+        assert_eq!(parse(text).text, expected);
     }
 
     #[test]

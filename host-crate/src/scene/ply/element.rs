@@ -12,11 +12,23 @@ impl PropertyAccess for Nothing {
 }
 
 /// A vertex.
-#[derive(Default)]
 pub(super) struct Vertex {
     pub position: [f64; 3],
     pub normal: [f64; 3],
     pub texture_coordinates: [f64; 2],
+    /// Red, green, blue and alpha; numbers that are integers in the file are shares of the largest.
+    pub colour: [f64; 4],
+}
+
+impl Default for Vertex {
+    fn default() -> Self {
+        Self {
+            position: [0.0; 3],
+            normal: [0.0; 3],
+            texture_coordinates: [0.0; 2],
+            colour: [1.0; 4],
+        }
+    }
 }
 
 impl PropertyAccess for Vertex {
@@ -25,6 +37,11 @@ impl PropertyAccess for Vertex {
     }
 
     fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
+        let largest = match value {
+            Property::UChar(_) => u8::MAX.into(),
+            Property::UShort(_) => u16::MAX.into(),
+            _ => 1.0,
+        };
         let value = match value {
             Property::Double(value) => value,
             other => match other.to_f32_lossy() {
@@ -41,7 +58,11 @@ impl PropertyAccess for Vertex {
             "nz" => &mut self.normal[2],
             "u" | "s" | "texture_u" | "texture_s" => &mut self.texture_coordinates[0],
             "v" | "t" | "texture_v" | "texture_t" => &mut self.texture_coordinates[1],
-            _ => return PropertyAccessResult::Ignored,
+            _ => {
+                let Some(channel) = channel(name) else { return PropertyAccessResult::Ignored };
+                self.colour[channel] = value / largest;
+                return PropertyAccessResult::Set;
+            }
         };
         *place = value;
         PropertyAccessResult::Set
@@ -84,7 +105,19 @@ impl Has {
             normals: normals && has(&["nx"]) && has(&["ny"]) && has(&["nz"]),
             texture_coordinates: has(&["u", "s", "texture_u", "texture_s"])
                 && has(&["v", "t", "texture_v", "texture_t"]),
-            colours: has(&["red", "diffuse_red", "r"]),
+            colours: (0..3)
+                .all(|wanted| element.properties.keys().any(|name| channel(name) == Some(wanted))),
         }
     }
+}
+
+/// Which channel of a colour a property is.
+fn channel(name: &str) -> Option<usize> {
+    Some(match name {
+        "red" | "diffuse_red" | "r" => 0,
+        "green" | "diffuse_green" | "g" => 1,
+        "blue" | "diffuse_blue" | "b" => 2,
+        "alpha" | "diffuse_alpha" | "a" => 3,
+        _ => return None,
+    })
 }

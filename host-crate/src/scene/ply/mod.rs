@@ -40,18 +40,20 @@ pub(in crate::scene) fn is_ply(bytes: &[u8]) -> bool {
 /// Loads a PLY as a scene.
 pub(in crate::scene) fn load(
     file: SceneBytes<'_>,
-    options: LoadOptions,
+    options: &LoadOptions,
 ) -> Result<Scene, SceneError> {
     let path = file.path;
     let geometry = parse(path, file.bytes, true, options.max_memory)?;
     let origin = origin_of(geometry.parts.iter().map(Part::positions));
     let mut scene = Scene::new(Camera::new(Vec3::Z, Vec3::ZERO, 40.0), FilmSize::default());
     scene.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
-    let grey = scene.add_material(Material::diffuse(PAINT));
+    let is_coloured = geometry.coloured > 0;
+    let paint = if is_coloured { Vec3::ONE } else { PAINT };
+    let paint = scene.add_material(Material::diffuse(paint));
     let mut cleaner = Cleaner::new(false);
     for part in &geometry.parts {
         let map = part.has_texture_coordinates.then(TextureMap::default);
-        let mut mesh = part.mesh(grey, &Placement { transform: None, origin }, map.as_ref());
+        let mut mesh = part.mesh(paint, &Placement { transform: None, origin }, map.as_ref());
         cleaner.clean(&mut mesh);
         scene.add_mesh(mesh);
     }
@@ -72,9 +74,6 @@ pub(in crate::scene) fn load(
     let unread: Vec<_> = geometry.unread.keys().map(Name::to_string).collect();
     if !unread.is_empty() {
         warn(format!("these are not read: {}.", crate::scene::error::list(&unread)));
-    }
-    if geometry.coloured.0 > 0 {
-        warn(format!("colours of vertices are left out: {}.", geometry.coloured.0));
     }
     warn(format!("a PLY has no camera; {FRAMED}"));
     warn(format!("a PLY has no light; {LIT_BY_DEFAULT}"));
@@ -223,7 +222,10 @@ impl Gathered {
         let used = self.faces_into(&mut mesh, file)?;
         let origin = self.origin(&used, file)?;
         self.vertices_into(&mut mesh, &used, origin);
-        let Self { vertices, has, unread, .. } = self;
+        let Self { vertices, has, mut unread, .. } = self;
+        if vertices.iter().any(|vertex| vertex.colour[3] != 1.0) {
+            unread.push("alpha of vertices".to_owned());
+        }
         let part = Part {
             material: Name::new(NO_MATERIAL),
             faces: mesh.face_arities.len(),
@@ -238,7 +240,7 @@ impl Gathered {
             libraries: Vec::new(),
             parts: vec![part],
             unread: unread.into_iter().map(|name| (Name::new(name.as_bytes()), (1, 0))).collect(),
-            coloured: (if has.colours { vertices.len() } else { 0 }, 0),
+            coloured: if has.colours { vertices.len() } else { 0 },
             unusable: None,
         })
     }
@@ -301,6 +303,11 @@ impl Gathered {
             mesh.positions.extend(if *used { vertex.position } else { origin.to_array() });
             if self.has.normals {
                 mesh.normals.extend(vertex.normal);
+            }
+            if self.has.colours {
+                let [colour @ .., _] = vertex.colour;
+                let share = |value: f64| if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) };
+                mesh.vertex_color.extend(colour.map(share));
             }
             if self.has.texture_coordinates {
                 let usable = |value: f64| if value.abs() <= 1e12 { value } else { 0.0 };

@@ -36,6 +36,8 @@ pub struct AlbedoView<'a> {
     pub rows: &'a [UVec4],
     /// Row where the table begins.
     pub first: u32,
+    /// Row where that of [anisotropic](super::anisotropic) surfaces begins, if there are any.
+    pub anisotropic: u32,
 }
 
 impl AlbedoView<'_> {

@@ -2,9 +2,14 @@
 //! what textures make of that at a point.
 
 use crate::glam::{UVec4, Vec2, Vec3, Vec4};
+use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::memory::device_struct;
 use crate::memory::rows::{float, vector};
+use crate::scene::abilities::Abilities;
 use crate::scene::texture::{NO_TEXTURE, TextureView};
+use core::f32::consts::TAU;
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float as _;
 
 /// [`Layers::flags`]: what passes does not enter a body.
 pub const THIN: u32 = 1 << 0;
@@ -12,6 +17,13 @@ pub const THIN: u32 = 1 << 0;
 pub const MASK: u32 = 1 << 1;
 /// [`Layers::flags`]: what is not opaque is a hole by chance.
 pub const BLEND: u32 = 1 << 2;
+
+/// See [`Layers::flags`].
+pub const STRENGTH_BIT: u32 = 4;
+/// See [`Layers::flags`].
+pub const ROTATION_BIT: u32 = 18;
+/// See [`Layers::flags`].
+pub const GRAIN_STEPS: u32 = 0x3fff;
 
 device_struct! {
     /// The record. 96 bytes.
@@ -49,7 +61,9 @@ device_struct! {
         pub coat_roughness: f32,
         /// Rows from the albedos of surfaces to those of sheen, where there is any.
         pub sheen_albedos: u32,
-        /// [`THIN`], [`MASK`], [`BLEND`], or none.
+        /// [`THIN`], [`MASK`], [`BLEND`], or none; from bit [`STRENGTH_BIT`] on how anisotropic it
+        /// is, 0 to [`GRAIN_STEPS`] for 0 to 1, and from bit [`ROTATION_BIT`] on how its grain is
+        /// turned, so many steps of a whole turn.
         pub flags: u32,
         /// Opacity, in [0, 1], which the alpha of the reflectance's texture multiplies.
         pub alpha: f32,
@@ -121,6 +135,30 @@ impl Layers {
         self.flags & THIN != 0
     }
 
+    /// How anisotropic it is, in [0, 1].
+    pub fn strength(&self) -> f32 {
+        (self.flags >> STRENGTH_BIT & GRAIN_STEPS) as f32 / GRAIN_STEPS as f32
+    }
+
+    /// The direction along which it is rougher than across: unit length, across the `normal`; zero
+    /// where there is none. `tangent` is a packed one of the triangle.
+    pub fn grain(&self, tangent: u32, normal: Vec3) -> Vec3 {
+        if self.flags >> STRENGTH_BIT & GRAIN_STEPS == 0 || tangent == NO_TANGENT {
+            return Vec3::ZERO;
+        }
+        let Tangent { direction, is_mirrored } = Tangent::unpack(tangent);
+        let along = direction - normal * normal.dot(direction);
+        let length = along.length_squared();
+        if length <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let along = along / length.sqrt();
+        let across = normal.cross(along);
+        let across = if is_mirrored { -across } else { across };
+        let turn = (self.flags >> ROTATION_BIT) as f32 * (TAU / GRAIN_STEPS as f32);
+        (along * turn.cos() + across * turn.sin()).normalize()
+    }
+
     /// Whether it may have holes.
     pub fn has_holes(&self) -> bool {
         self.flags & (MASK | BLEND) != 0
@@ -133,7 +171,7 @@ impl Layers {
     }
 
     /// The layers at a point, of these texture coordinates.
-    pub fn textured(mut self, textures: &TextureView<'_>, uv: Vec2) -> Self {
+    pub fn textured<A: Abilities>(mut self, textures: &TextureView<'_, A>, uv: Vec2) -> Self {
         if self.roughness_map != NO_TEXTURE {
             let codes = textures.codes(self.roughness_map, uv.x, uv.y);
             self.roughness *= channel(codes, self.channels & 0xff);
@@ -147,7 +185,7 @@ impl Layers {
 
     /// What the map of normals says at a point, of these texture coordinates: its normal in tangent
     /// space, of any length.
-    pub fn slopes(&self, textures: &TextureView<'_>, uv: Vec2) -> Vec3 {
+    pub fn slopes<A: Abilities>(&self, textures: &TextureView<'_, A>, uv: Vec2) -> Vec3 {
         let codes = textures.codes(self.normal_map, uv.x, uv.y);
         let normal = Vec3::new(codes.x, codes.y, codes.z) * 2.0 - Vec3::ONE;
         Vec3::new(normal.x * self.normal_scale, normal.y * self.normal_scale, normal.z)

@@ -8,6 +8,7 @@
 //! `direction` points away from the surface, where the path goes on. Both have unit length.
 
 pub mod albedo;
+pub mod anisotropic;
 pub mod boundary;
 pub mod conductor;
 pub mod cover;
@@ -85,11 +86,11 @@ impl Material {
 
     /// The material at a point with this shading `normal`, which is on the side that the path came
     /// from: `from_outside` says whether that is the front.
-    /// Principled materials have `layers` beside, and look up `albedos`. The scene uses no more
-    /// than `abilities`.
+    /// Principled materials have `layers` beside, a grain (see [`Layers::grain`]), and look up
+    /// `albedos`. The scene uses no more than `abilities`.
     pub fn bsdf<'a, F: Abilities>(
         &self,
-        normal: Vec3,
+        [normal, grain]: [Vec3; 2],
         from_outside: bool,
         layers: Layers,
         albedos: AlbedoView<'a>,
@@ -98,6 +99,7 @@ impl Material {
         Bsdf {
             kind: self.kind,
             normal,
+            grain,
             from_outside,
             reflectance: self.reflectance,
             transmittance: self.transmittance,
@@ -145,6 +147,8 @@ pub struct Bsdf<'a, F> {
     pub kind: MaterialKind,
     /// Shading normal, unit length, on the side of the shading frame that the path came from.
     pub normal: Vec3,
+    /// See [`Layers::grain`].
+    pub grain: Vec3,
     /// Whether the path came from the front of the shading frame (outside, for a dielectric).
     pub from_outside: bool,
     /// Reflectance, looked up in its texture, linear Rec.709 in [0, 1].
@@ -183,8 +187,8 @@ impl<F: Abilities> Bsdf<'_, F> {
     }
 
     fn principled(&self) -> Principled<'_, F> {
-        let Self { reflectance, layers, ior, albedos, abilities, .. } = *self;
-        Principled { colour: reflectance, layers, ior, albedos, abilities }
+        let Self { reflectance, layers, grain, ior, albedos, abilities, .. } = *self;
+        Principled { colour: reflectance, layers, grain, ior, albedos, abilities }
     }
 
     /// What it says of a given `direction`. Density 0: no light comes from there. Delta

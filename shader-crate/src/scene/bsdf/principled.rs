@@ -8,7 +8,7 @@
 //!
 //! Its lobes are
 //!
-//! - *surface*: reflection by microfacets ([`Ggx`]) with Schlick's Fresnel term, or that of a
+//! - *surface*: reflection by microfacets ([`Ggx`], or [`Anisotropic`] ones) with Schlick's Fresnel term, or that of a
 //!   [conductor](super::conductor);
 //! - *base*: what follows the cosine: the diffuse base, by the share that the surface lets pass on
 //!   both ways, and what light has been reflected by several microfacets. Both are those of Kulla
@@ -20,6 +20,7 @@
 
 use super::BsdfSample;
 use super::albedo::AlbedoView;
+use super::anisotropic::{Anisotropic, AnisotropicAlbedos};
 use super::boundary::Boundary;
 use super::conductor::Conductor;
 use super::cover::Cover;
@@ -28,7 +29,7 @@ use super::layers::Layers;
 use super::reflector::{Albedo, Reflector};
 use crate::glam::Vec3;
 use crate::math::{sample_cosine_hemisphere, tangent_frame};
-use crate::scene::abilities::{Abilities, CONDUCTORS, COVER};
+use crate::scene::abilities::{ANISOTROPY, Abilities, CONDUCTORS, COVER};
 use core::f32::consts::FRAC_1_PI;
 
 /// Least cosine of a direction from which a surface is seen: at the horizon densities have no
@@ -42,6 +43,8 @@ pub struct Principled<'a, F> {
     pub colour: Vec3,
     /// The rest of it.
     pub layers: Layers,
+    /// The direction along which the surface is rougher, see [`Layers::grain`].
+    pub grain: Vec3,
     /// Index of refraction behind the front, relative to the outside.
     pub ior: f32,
     /// Tables of albedos.
@@ -53,6 +56,8 @@ pub struct Principled<'a, F> {
 /// The lobes as a direction `o` sees them.
 struct Lobes {
     ggx: Ggx,
+    /// What takes the place of these where there is a grain.
+    stretched: Anisotropic,
     /// Reflection by the surface, metal and dielectric together.
     surface: Reflector,
     /// Reflection by the dielectric surface over the base.
@@ -83,7 +88,7 @@ impl<F: Abilities> Principled<'_, F> {
         incoming: Vec3,
         direction: Vec3,
     ) -> BsdfSample {
-        let frame = Frame::new(normal);
+        let frame = self.frame(normal);
         let o = frame.seen(incoming);
         let lobes = self.lobes(o, from_outside);
         self.evaluate(&lobes, o, frame.local(direction), direction)
@@ -99,14 +104,14 @@ impl<F: Abilities> Principled<'_, F> {
         u: [f32; 2],
         lobe: f32,
     ) -> BsdfSample {
-        let frame = Frame::new(normal);
+        let frame = self.frame(normal);
         let o = frame.seen(incoming);
         let lobes = self.lobes(o, from_outside);
         let (i, crosses) = if self.abilities.has(COVER) && lobes.cover.takes(lobe) {
             (lobes.cover.sample(o, u, lobe), false)
         } else {
             let lobe = if self.abilities.has(COVER) { lobes.cover.rest(lobe) } else { lobe };
-            lobes.sample(o, u, lobe)
+            self.sample_lobe(&lobes, o, u, lobe)
         };
         let i = i.normalize();
         let mut sample = self.evaluate(&lobes, o, i, frame.world(i));
@@ -125,8 +130,8 @@ impl<F: Abilities> Principled<'_, F> {
         let opaque = 1.0 - transmission;
         let metal = layers.metallic / opaque.max(f32::MIN_POSITIVE);
         let straight = (self.ior - 1.0) / (self.ior + 1.0);
-        let here = Albedo::new(self.albedos.directional(layers.roughness, o.z));
-        let mean = Albedo::new(self.albedos.mean(layers.roughness));
+        let here = self.albedo(o);
+        let mean = self.mean_albedo();
         let over_base =
             Reflector::new((layers.specular * (straight * straight)).min(Vec3::ONE), mean);
         let of_metal = if self.is_conductor() {
@@ -157,6 +162,7 @@ impl<F: Abilities> Principled<'_, F> {
         }
         Lobes {
             ggx: Ggx::of_roughness(layers.roughness),
+            stretched: Anisotropic::new(layers.roughness, layers.strength()),
             surface,
             over_base,
             base,
@@ -167,6 +173,56 @@ impl<F: Abilities> Principled<'_, F> {
             chances: [once / all, cosine / all, below / all],
             cover,
         }
+    }
+
+    /// Whether the surface is rougher along a direction than across.
+    #[inline(always)]
+    fn has_grain(&self) -> bool {
+        self.abilities.has(ANISOTROPY) && self.grain.length_squared() > 0.0
+    }
+
+    /// The frame of the surface: along its grain, if there is one.
+    #[inline(always)]
+    fn frame(&self, normal: Vec3) -> Frame {
+        if self.has_grain() {
+            let y = normal.cross(self.grain).normalize();
+            return Frame { x: y.cross(normal), y, z: normal };
+        }
+        Frame::new(normal)
+    }
+
+    fn anisotropic_albedos(&self) -> AnisotropicAlbedos<'_> {
+        AnisotropicAlbedos { rows: self.albedos.rows, first: self.albedos.anisotropic }
+    }
+
+    /// What one microfacet of the surface sends on as `w` sees it.
+    #[inline(always)]
+    fn albedo(&self, w: Vec3) -> Albedo {
+        let Layers { roughness, .. } = self.layers;
+        if self.has_grain() {
+            let strength = self.layers.strength();
+            return Albedo::new(self.anisotropic_albedos().directional(roughness, strength, w));
+        }
+        Albedo::new(self.albedos.directional(roughness, w.z.min(1.0)))
+    }
+
+    /// The mean of that.
+    #[inline(always)]
+    fn mean_albedo(&self) -> Albedo {
+        let Layers { roughness, .. } = self.layers;
+        if self.has_grain() {
+            return Albedo::new(self.anisotropic_albedos().mean(roughness, self.layers.strength()));
+        }
+        Albedo::new(self.albedos.mean(roughness))
+    }
+
+    /// A direction by one of the lobes below the cover, and whether it crosses the surface.
+    #[inline(always)]
+    fn sample_lobe(&self, lobes: &Lobes, o: Vec3, u: [f32; 2], lobe: f32) -> (Vec3, bool) {
+        if self.has_grain() && lobe < lobes.chances[0] {
+            return ((-o).reflect(lobes.stretched.sample_visible(o, u)), false);
+        }
+        lobes.sample(o, u, lobe)
     }
 
     /// Whether it is a metal whose index of refraction is known, and nothing else.
@@ -195,14 +251,20 @@ impl<F: Abilities> Principled<'_, F> {
         if i.z > 0.0 {
             let h = (o + i).normalize();
             let cosine = o.dot(h).clamp(0.0, 1.0);
-            let lobe = lobes.ggx.distribution(h) / (4.0 * o.z);
-            let both = lobes.ggx.masking_reflected(o, i);
+            let mut lobe = lobes.ggx.distribution(h) / (4.0 * o.z);
+            let mut both = lobes.ggx.masking_reflected(o, i);
+            let mut seen = lobes.ggx.masking(o);
+            if self.has_grain() {
+                lobe = lobes.stretched.distribution(h) / (4.0 * o.z);
+                both = lobes.stretched.masking_reflected(o, i);
+                seen = lobes.stretched.masking(o);
+            }
             let mut reflected = lobes.surface.schlick(cosine);
             if self.is_conductor() {
                 reflected = self.conductor().reflectance(cosine);
             }
             value += reflected * (opaque * both * lobe);
-            pdf += surface * lobes.ggx.masking(o) * lobe;
+            pdf += surface * seen * lobe;
             value += self.cosine_lobe(lobes, i) * (opaque * i.z * FRAC_1_PI);
             pdf += base * i.z * FRAC_1_PI;
         }
@@ -235,7 +297,7 @@ impl<F: Abilities> Principled<'_, F> {
     /// and the diffuse base under the surface.
     fn cosine_lobe(&self, lobes: &Lobes, i: Vec3) -> Vec3 {
         let (here, mean) = (lobes.here, lobes.mean);
-        let there = Albedo::new(self.albedos.directional(self.layers.roughness, i.z.min(1.0)));
+        let there = self.albedo(i);
         let missed = here.missed * there.missed / mean.missed.max(f32::MIN_POSITIVE);
         let passes = lobes.over_base.passes(here) * lobes.over_base.passes(there);
         let passes = passes / lobes.over_base.passes(mean).max(Vec3::splat(HORIZON));

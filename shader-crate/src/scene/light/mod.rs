@@ -112,7 +112,7 @@ impl EmissionMap {
 
     /// What the texture says at the point that has the barycentric coordinates `a` of the second
     /// corner and `b` of the third.
-    fn sample(&self, textures: &TextureView<'_>, a: f32, b: f32) -> Vec3 {
+    fn sample<A: Abilities>(&self, textures: &TextureView<'_, A>, a: f32, b: f32) -> Vec3 {
         let first = 1.0 - a - b;
         let u = self.uv0[0] * first + self.uv1[0] * a + self.uv2[0] * b;
         let v = self.uv0[1] * first + self.uv1[1] * a + self.uv2[1] * b;
@@ -203,7 +203,7 @@ pub struct LightView<'a, A> {
     /// The environment, if there is one.
     pub environment: EnvironmentView<'a>,
     /// The textures.
-    pub textures: TextureView<'a>,
+    pub textures: TextureView<'a, A>,
     /// What the scene uses.
     pub abilities: A,
 }

@@ -4,7 +4,7 @@ use super::ALPHA;
 use super::described::Reader;
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
-use crate::scene::material::{Attenuation, Principled};
+use crate::scene::material::{Anisotropy, Attenuation, Principled};
 use crate::scene::summary::Fate;
 use glam::Vec3;
 use gltf::json::Value;
@@ -15,6 +15,10 @@ use serde::Deserialize;
 const CLEARCOAT: &str = "KHR_materials_clearcoat";
 const SHEEN: &str = "KHR_materials_sheen";
 const VOLUME: &str = "KHR_materials_volume";
+const ANISOTROPY: &str = "KHR_materials_anisotropy";
+const GRAIN_TEXTURE: Fate = Fate::Becomes(
+    "what textures say of anisotropy is left out, strength and rotation are those of all of it: ",
+);
 
 #[derive(Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -35,6 +39,15 @@ struct Sheen {
     sheen_roughness_texture: Option<Info>,
 }
 
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Grain {
+    anisotropy_strength: f32,
+    /// Radians.
+    anisotropy_rotation: f32,
+    anisotropy_texture: Option<Value>,
+}
+
 #[derive(Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 struct Volume {
@@ -50,7 +63,7 @@ impl Default for Volume {
 }
 
 impl Reader<'_, '_> {
-    /// What the file says of a coat, of sheen, and of the body behind the surface.
+    /// What the file says of a coat, of sheen, of a grain, and of the body behind the surface.
     pub(super) fn cover(
         &mut self,
         json: &Material,
@@ -61,6 +74,9 @@ impl Reader<'_, '_> {
         }
         if let Some(sheen) = self.extension::<Sheen>(json, SHEEN)? {
             self.sheen(&sheen, plain)?;
+        }
+        if let Some(grain) = self.extension::<Grain>(json, ANISOTROPY)? {
+            self.grain(&grain, plain);
         }
         let volume = self.extension::<Volume>(json, VOLUME)?.unwrap_or_default();
         self.volume(&volume, plain);
@@ -94,6 +110,19 @@ impl Reader<'_, '_> {
         let roughness = sheen.sheen_roughness_texture.as_ref();
         plain.sheen_roughness *= self.mean_code(roughness, "sheenRoughnessTexture", ALPHA)?;
         Ok(())
+    }
+
+    fn grain(&mut self, grain: &Grain, plain: &mut Principled) {
+        let strength = self.share("anisotropyStrength", grain.anisotropy_strength);
+        let degrees = f64::from(grain.anisotropy_rotation).to_degrees();
+        let rotation = bounds::rotation(degrees).unwrap_or_else(|_| {
+            self.note(Fate::Becomes("these are no angles and count as 0: "), "anisotropyRotation");
+            0.0
+        });
+        plain.anisotropy = Anisotropy { strength, rotation };
+        if strength > 0.0 && grain.anisotropy_texture.is_some() {
+            self.note(GRAIN_TEXTURE, "anisotropyTexture");
+        }
     }
 
     /// Glass without a volume, or without thickness, is thin.

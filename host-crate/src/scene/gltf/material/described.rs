@@ -36,8 +36,8 @@ pub(super) struct Described {
     pub plain: Principled,
     /// Whether none of it is seen.
     pub is_invisible: bool,
-    /// Whether its alpha means anything.
-    pub may_be_seen_through: bool,
+    /// What its alpha means, whether or not any of its own is below 1.
+    pub opacity: Opacity,
     pub base_colour: Option<Slot>,
     /// Of roughness and metal.
     pub roughness: Option<Slot>,
@@ -54,8 +54,14 @@ pub(super) struct Slot {
 }
 
 impl Described {
-    /// Where its textures lie.
+    /// Where its textures lie; without any, the first coordinates if they say where its grain runs.
     pub(super) fn layout(&self) -> Option<Layout> {
+        let grain = (self.plain.anisotropy.strength > 0.0).then_some(Layout::FIRST);
+        self.layout_of_textures().or(grain)
+    }
+
+    /// Where its textures lie.
+    pub(super) fn layout_of_textures(&self) -> Option<Layout> {
         let normal = self.normal.map(|(slot, _)| slot);
         let slots = [self.base_colour, self.roughness, normal, self.emission];
         slots.into_iter().flatten().next().map(|slot| slot.layout)
@@ -131,7 +137,7 @@ impl Reader<'_, '_> {
         let mut described = Described {
             plain,
             is_invisible: may_be_seen_through && alpha <= 0.0,
-            may_be_seen_through,
+            opacity,
             base_colour,
             roughness: None,
             normal: None,

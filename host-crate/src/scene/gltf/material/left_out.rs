@@ -8,8 +8,7 @@ use gltf::json::material::Material;
 
 /// Extensions of materials that have no effect, the key of each whose value of 0 says that it has
 /// none anyway, and what becomes of it.
-const LEFT_OUT: [(&str, &str, &str); 4] = [
-    ("KHR_materials_anisotropy", "anisotropyStrength", "surfaces are alike in all directions: "),
+const LEFT_OUT: [(&str, &str, &str); 3] = [
     ("KHR_materials_iridescence", "iridescenceFactor", "thin films are left out: "),
     ("KHR_materials_dispersion", "dispersion", "colours are not spread by glass: "),
     (

@@ -6,16 +6,15 @@ pub(super) use self::textures::key_of;
 
 use self::textures::{Albedo, TextureKeys};
 use super::values::{
-    AttenuationDistance, Colour, Eta, Extinction, Factor, Ior, Object, Priority, Radiance, Share,
-    present,
+    AttenuationDistance, Colour, Eta, Extinction, Factor, Ior, Object, Priority, Radiance,
+    Rotation, Share, present,
 };
-use crate::scene::material::{Attenuation, Material, Opacity, Principled, Reflectance};
+use crate::scene::material::{Anisotropy, Attenuation, Material, Opacity, Principled, Reflectance};
 use crate::scene::metal::{Conductor, Metal};
 use crate::scene::obj::texture_map::TextureMap;
-use crate::scene::rule::{MaterialRule, Slot, TexturedRule};
+use crate::scene::rule::{MaterialRule, Slot, TextureFile, TexturedRule};
 use glam::Vec3;
 use serde::Deserialize;
-use std::path::PathBuf;
 
 /// What a material is, as a scene file says it.
 #[derive(Debug, Deserialize)]
@@ -46,6 +45,10 @@ struct MaterialKeys {
     metallic: Option<Share>,
     #[serde(default, deserialize_with = "present")]
     roughness: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    anisotropy: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
+    anisotropy_rotation: Option<Rotation>,
     #[serde(default, deserialize_with = "present")]
     transmission: Option<Share>,
     #[serde(default, deserialize_with = "present")]
@@ -109,7 +112,7 @@ impl TryFrom<MaterialKeys> for FileMaterial {
 /// A material and the files of its textures.
 struct Made {
     material: Material,
-    textures: Vec<(Slot, PathBuf)>,
+    textures: Vec<TextureFile>,
 }
 
 impl From<Material> for Made {
@@ -125,7 +128,7 @@ impl Made {
             Albedo::Colour(Colour(colour)) => {
                 self.material = self.material.with_reflectance(Reflectance::Colour(colour));
             }
-            Albedo::Texture(path) => self.textures.insert(0, (Slot::Colour, path)),
+            Albedo::Texture(file) => self.textures.insert(0, file),
         }
         self
     }
@@ -135,7 +138,6 @@ impl Made {
         if textures.is_empty() {
             return MaterialRule::Plain(material);
         }
-        let textures = textures.into_iter().map(|(slot, file)| (slot, 0, file)).collect();
         let map = TextureMap::default();
         MaterialRule::Textured(TexturedRule { material, textures, map, otherwise: None })
     }
@@ -145,6 +147,9 @@ impl Made {
 fn given<const N: usize>(keys: [(&'static str, bool); N]) -> impl Iterator<Item = &'static str> {
     keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key))
 }
+
+/// The keys that principled materials and conductors have.
+const OF_METAL: [&str; 3] = ["roughness", "anisotropy", "anisotropy_rotation"];
 
 /// The keys that several kinds have.
 const SHARED: [&str; 4] = ["reflectance", "radiance", "ior", "transmittance"];
@@ -187,16 +192,24 @@ impl MaterialKeys {
     fn metal(self) -> Result<Material, String> {
         self.refuse("a conductor", &SHARED)?;
         let Share(roughness) = self.roughness.unwrap_or(Share(0.0));
-        Ok(Material::Principled(Principled::conductor(self.conductor()?, roughness)))
+        let anisotropy = self.grain();
+        let metal = Principled::conductor(self.conductor()?, roughness);
+        Ok(Material::Principled(Principled { anisotropy, ..metal }))
     }
 
     /// A texture multiplies a number, which is then 1 unless the file says otherwise.
     fn principled(self) -> Result<Made, String> {
         self.refuse("a principled", &["transmittance"])?;
         let (attenuation, priority) = (self.attenuation()?, self.priority());
+        let anisotropy = self.grain();
         let textures: Vec<_> =
-            self.textures.map(|Object(textures)| textures.slots().collect()).unwrap_or_default();
-        let has = |wanted: fn(&Slot) -> bool| textures.iter().any(|(slot, _)| wanted(slot));
+            self.textures.map(|Object(textures)| textures.files().collect()).unwrap_or_default();
+        if textures.iter().any(|file| matches!(file.slot, Slot::Bump(_)))
+            && textures.iter().any(|file| matches!(file.slot, Slot::Normal(_)))
+        {
+            return Err("`textures` has `normal` or `bump`, not both".to_owned());
+        }
+        let has = |wanted: fn(&Slot) -> bool| textures.iter().any(|file| wanted(&file.slot));
         let roughness = if has(|slot| matches!(slot, Slot::Roughness(_))) { 1.0 } else { 0.5 };
         let metallic = if has(|slot| matches!(slot, Slot::Metallic(_))) { 1.0 } else { 0.0 };
         let emission = if has(|slot| *slot == Slot::Emission) { Vec3::ONE } else { Vec3::ZERO };
@@ -213,6 +226,7 @@ impl MaterialKeys {
             return Err(what.to_owned());
         }
         let material = Principled {
+            anisotropy,
             attenuation,
             priority,
             metallic: share(self.metallic, metallic),
@@ -260,6 +274,13 @@ impl MaterialKeys {
         }
     }
 
+    fn grain(&self) -> Anisotropy {
+        Anisotropy {
+            strength: self.anisotropy.map_or(0.0, |Share(strength)| strength),
+            rotation: self.anisotropy_rotation.map_or(0.0, |Rotation(degrees)| degrees),
+        }
+    }
+
     /// The keys that are given and that conductors alone have.
     fn of_conductors(&self) -> impl Iterator<Item = &'static str> {
         given([
@@ -279,6 +300,8 @@ impl MaterialKeys {
         given([
             ("metallic", self.metallic.is_some()),
             ("roughness", self.roughness.is_some()),
+            ("anisotropy", self.anisotropy.is_some()),
+            ("anisotropy_rotation", self.anisotropy_rotation.is_some()),
             ("transmission", self.transmission.is_some()),
             ("thin_walled", self.thin_walled.is_some()),
             ("coat", self.coat.is_some()),
@@ -316,7 +339,7 @@ impl MaterialKeys {
         let of_conductors = self.of_conductors().next().filter(|_| !is_conductor);
         let mut of_principled = self.of_principled();
         let other = of_principled
-            .find(|key| !(is_principled || is_conductor && *key == "roughness"))
+            .find(|key| !(is_principled || is_conductor && OF_METAL.contains(key)))
             .or(of_bodies)
             .or(of_conductors);
         match keys.iter().copied().find(|key| is_given(key)).or(other) {

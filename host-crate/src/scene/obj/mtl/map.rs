@@ -10,6 +10,8 @@ pub(super) struct MapStatement<'a> {
     pub file: &'a [u8],
     /// Where the texture lies.
     pub map: TextureMap,
+    /// What the values of a bump map are multiplied by, if that is given.
+    pub height: Option<f64>,
     /// Options that change the look and have no effect here.
     pub without_effect: Vec<String>,
 }
@@ -47,7 +49,7 @@ impl<'a> MapStatement<'a> {
             }
             "bm" => {
                 let (values, rest) = numbers(rest, 1);
-                self.note(values.iter().any(|&value| value != 1.0), "-bm");
+                self.height = values.first().copied().or(self.height);
                 rest
             }
             // These say how a texture is filtered, not what it is.
@@ -115,7 +117,8 @@ mod tests {
     use super::*;
 
     fn parsed(text: &str) -> (&str, [f64; 4], Vec<String>) {
-        let MapStatement { file, map, without_effect } = MapStatement::parse(text.as_bytes());
+        let statement = MapStatement::parse(text.as_bytes());
+        let MapStatement { file, map, without_effect, .. } = statement;
         let TextureMap { scale, offset } = map;
         let file = std::str::from_utf8(file).unwrap();
         (file, [scale.x, scale.y, offset.x, offset.y], without_effect)
@@ -140,7 +143,10 @@ mod tests {
         let (file, _, noted) =
             parsed("-clamp on -BM 0.5 -mm .1 .9 -imfchan r -t 1 1 1 -blendv off -cc on a b.png");
         assert_eq!(file, "a b.png");
-        assert_eq!(noted, ["-clamp", "-bm", "-mm", "-imfchan", "-t", "-blendv", "-cc"]);
+        assert_eq!(noted, ["-clamp", "-mm", "-imfchan", "-t", "-blendv", "-cc"]);
         assert_eq!(parsed("-s 1e9 1 1 w.png").2.len(), 1);
+        let heights = ["-BM 0.5 w.png", "-bm w.png", "w.png", "-bm -2 -o 1 w.png"];
+        let heights = heights.map(|text| MapStatement::parse(text.as_bytes()).height);
+        assert_eq!(heights, [Some(0.5), None, None, Some(-2.0)]);
     }
 }

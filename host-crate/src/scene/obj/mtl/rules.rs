@@ -4,12 +4,13 @@ use super::library::{Entry, Library};
 use super::map::MapStatement;
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
-use crate::scene::material::{Material, Principled, Reflectance};
+use crate::scene::material::{Anisotropy, Material, Principled, Reflectance};
 use crate::scene::obj::texture_map::TextureMap;
-use crate::scene::rule::{MaterialRule, Otherwise, Slot, TexturedRule};
+use crate::scene::rule::{self, MaterialRule, Otherwise, Slot, TexturedRule};
 use crate::scene::source::{Found, Source, find_foreign};
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
+use crate::scene::texture::TextureFilter;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +27,11 @@ pub(super) const SHARPEST: f64 = 1000.0;
 const MIRROR_MODELS: [i64; 2] = [3, 5];
 /// Keys of textures of emission; the first that there is counts.
 pub(super) const EMISSION_MAPS: [&str; 2] = ["map_ke", "map_emissive"];
+/// Keys of bump maps; the first that says how high it is counts.
+pub(super) const BUMP_MAPS: [&str; 2] = ["bump", "map_bump"];
+const MISSING_BUMP: Fate = Fate::Becomes("these bump maps are not there and are left out: ");
+/// The highest bump map.
+const MAX_HEIGHT: f64 = 1e4;
 pub(super) const GLASS_MODELS: [i64; 4] = [4, 6, 7, 9];
 
 /// What kind of surface a material is.
@@ -89,14 +95,12 @@ impl Describer<'_> {
         entry.note_what_has_no_effect(surface, summary);
         let kd = || entry.reflectance("kd", DEFAULT_REFLECTANCE);
         let glow = if surface.may_glow() { self.glow(entry, summary) } else { None };
+        let bump = if surface.may_glow() { self.bump(entry, summary) } else { None };
         let material = match surface {
             Surface::Principled => Material::Principled(entry.principled()?),
-            // Paint that shines without a highlight.
-            Surface::Lamp | Surface::Paint if glow.is_some() => Material::Principled(Principled {
-                specular: Vec3::ZERO,
-                emission: entry.radiance("ke")?,
-                ..Principled::paint(DEFAULT_REFLECTANCE, 1.0)
-            }),
+            Surface::Lamp | Surface::Paint if glow.is_some() || bump.is_some() => {
+                entry.without_highlight()?
+            }
             Surface::Lamp => {
                 if let Some(lost) = entry.keys.get("map_kd").filter(|_| entry.glows(surface)) {
                     // The texture of its emission, beside which it would have counted, is not
@@ -127,8 +131,8 @@ impl Describer<'_> {
         };
         let material = if glow.is_some() { glowing(material) } else { material };
         let found = [(Slot::Colour, colour), (Slot::Emission, glow)];
-        let found: Vec<_> =
-            found.into_iter().filter_map(|(slot, found)| Some((slot, found?))).collect();
+        let found = found.into_iter().filter_map(|(slot, found)| Some((slot, found?)));
+        let found: Vec<_> = found.chain(bump).collect();
         let Some(&(_, TextureFile { map, .. })) = found.first() else {
             return Ok(MaterialRule::Plain(material));
         };
@@ -137,7 +141,13 @@ impl Describer<'_> {
             let name = entry.name.to_string();
             summary.note(&entry.path, other.line, Fate::WithoutEffect, &thing, &name);
         }
-        let textures = found.into_iter().map(|(slot, file)| (slot, file.line, file.path)).collect();
+        let file = |(slot, TextureFile { path, line, .. })| rule::TextureFile {
+            slot,
+            line,
+            path,
+            filter: TextureFilter::Linear,
+        };
+        let textures = found.into_iter().map(file).collect();
         let otherwise = Some(otherwise);
         Ok(MaterialRule::Textured(TexturedRule { material, textures, map, otherwise }))
     }
@@ -151,6 +161,13 @@ impl Describer<'_> {
     fn glow(&self, entry: &Entry, summary: &mut Summary) -> Option<TextureFile> {
         let key = EMISSION_MAPS.into_iter().find(|key| entry.keys.contains_key(*key))?;
         self.texture(entry, key, Fate::MissingEmission, summary)
+    }
+
+    /// The bump map, if the entry names one that is there and says how high it is.
+    fn bump(&self, entry: &Entry, summary: &mut Summary) -> Option<(Slot, TextureFile)> {
+        let (key, height) = entry.bump()?;
+        let file = self.texture(entry, key, MISSING_BUMP, summary)?;
+        Some((Slot::Bump(height), file))
     }
 
     /// The texture behind a key; if it is not there, that is its `fate`.
@@ -171,6 +188,9 @@ impl Describer<'_> {
         };
         for option in &statement.without_effect {
             note(Fate::WithoutEffect, &format!("{} {option}", value.key));
+        }
+        if !BUMP_MAPS.contains(&key) && statement.height.is_some_and(|height| height != 1.0) {
+            note(Fate::WithoutEffect, &format!("{} -bm", value.key));
         }
         if found.by_its_end {
             note(Fate::FoundByEnd, &Name::new(statement.file).to_string());
@@ -227,6 +247,23 @@ impl Entry {
         })
     }
 
+    /// The key of the bump map, and how high that is, in units of the OBJ.
+    pub(super) fn bump(&self) -> Option<(&'static str, f32)> {
+        BUMP_MAPS.into_iter().find_map(|key| {
+            let height = MapStatement::parse(&self.keys.get(key)?.text).height?;
+            (height.abs() <= MAX_HEIGHT).then_some((key, height as f32))
+        })
+    }
+
+    /// Paint, or a lamp, that has textures but no highlight; its colour comes later.
+    fn without_highlight(&self) -> Result<Material, SceneError> {
+        Ok(Material::Principled(Principled {
+            specular: Vec3::ZERO,
+            emission: self.radiance("ke")?,
+            ..Principled::paint(DEFAULT_REFLECTANCE, 1.0)
+        }))
+    }
+
     /// Whether a texture says what it emits.
     pub(super) fn glows(&self, surface: Surface) -> bool {
         surface.may_glow() && EMISSION_MAPS.iter().any(|key| self.keys.contains_key(*key))
@@ -249,9 +286,12 @@ impl Entry {
         let exponent = self.hints("ns").first().copied();
         let rough = |ns: f64| 1.0 - (ns / SHARPEST).clamp(0.0, 1.0).sqrt();
         let is_glass = GLASS_MODELS.contains(&model) && self.is_transparent();
+        let roughness = self.share("pr", exponent.map_or(DEFAULT_ROUGHNESS, rough))?;
+        let (roughness, anisotropy) = self.grain(roughness)?;
         Ok(Principled {
             metallic: self.share("pm", 0.0)?,
-            roughness: self.share("pr", exponent.map_or(DEFAULT_ROUGHNESS, rough))?,
+            roughness,
+            anisotropy,
             ior: self.ior()?,
             transmission: f32::from(u8::from(is_glass)),
             coat: self.share("pc", 0.0)?,
@@ -260,6 +300,21 @@ impl Entry {
             emission: self.radiance("ke")?,
             ..Principled::paint(DEFAULT_REFLECTANCE, 0.0)
         })
+    }
+
+    /// What `aniso` makes of a roughness (Burley, "Physically-Based Shading at Disney", 2012): the
+    /// slope along the grain is divided, and that across is multiplied, by the root of `1 - 0.9
+    /// aniso`. `anisor` turns it, by whole turns.
+    fn grain(&self, roughness: f32) -> Result<(f32, Anisotropy), SceneError> {
+        let aniso = self.share("aniso", 0.0)?;
+        if aniso == 0.0 {
+            return Ok((roughness, Anisotropy::default()));
+        }
+        let rotation = 360.0 * self.share("anisor", 0.0)?;
+        let (slope, aspect) = (roughness * roughness, (1.0 - 0.9 * aniso).sqrt());
+        let (along, across) = ((slope / aspect).min(1.0), slope * aspect);
+        let strength = ((along - across) / (1.0 - across).max(f32::MIN_POSITIVE)).sqrt().min(1.0);
+        Ok((across.sqrt(), Anisotropy { strength, rotation }))
     }
 
     /// Whether light passes: by the opacity, or by the filter, or by an index of refraction above 1

@@ -1,15 +1,18 @@
 //! What an MTL says of a material and the picture does not show.
 
 use super::library::{Entry, Value};
-use super::rules::{EMISSION_MAPS, GLASS_MODELS, SHARPEST, Surface};
+use super::rules::{BUMP_MAPS, EMISSION_MAPS, GLASS_MODELS, SHARPEST, Surface};
 use crate::scene::summary::{Fate, Summary};
 
 /// Keys of shares and strengths: 0 is as if they were not there.
 const SHARES: [&str; 7] = ["ks", "pm", "ps", "pc", "pcr", "aniso", "anisor"];
 /// What a physically based material reads, or what is there for programs that know none.
-const OF_PRINCIPLED: [&str; 10] =
-    ["kd", "map_kd", "ks", "ns", "pm", "pr", "ps", "pc", "pcr", "illum"];
+const OF_PRINCIPLED: [&str; 12] =
+    ["kd", "map_kd", "ks", "ns", "pm", "pr", "ps", "pc", "pcr", "aniso", "anisor", "illum"];
 const OPACITY_MAPS: [&str; 4] = ["map_d", "map_tr", "map_opacity", "map_alpha"];
+
+const NO_HEIGHT: Fate =
+    Fate::Becomes("bump maps that do not say by `-bm` how high they are are left out: ");
 
 impl Entry {
     /// Notes what of the material has no effect, it being such a surface.
@@ -55,6 +58,9 @@ impl Entry {
             "ka" | "map_ka" => Some(Fate::Judged("light from everywhere is not added: ")),
             _ if SHARES.contains(&key) => lost(!is_zero, Fate::WithoutEffect),
             _ if OPACITY_MAPS.contains(&key) => lost(!is_glass, Fate::Opaque),
+            _ if BUMP_MAPS.contains(&key) && surface.may_glow() => {
+                lost(self.bump().is_none(), NO_HEIGHT)
+            }
             _ if EMISSION_MAPS.contains(&key) => lost(!surface.may_glow(), Fate::Unlit),
             _ => Some(Fate::WithoutEffect),
         }
