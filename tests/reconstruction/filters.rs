@@ -78,6 +78,9 @@ fn ramps_keep_their_slope_under_noise() {
     }
 }
 
+/// They look at no colours.
+const BLIND: [FilterKind; 2] = [FilterKind::AxisAligned, FilterKind::Manifolds];
+
 /// A wall with a soft light and the hard edge of a shadow, which no feature shows.
 fn shadowed_wall(x: u32, y: u32) -> Vec3 {
     let soft = 1.0 + 0.5 * (x as f32 * 0.2).sin() + 0.02 * y as f32;
@@ -111,6 +114,25 @@ fn errors_fall_with_samples_without_a_plateau() {
     }
 }
 
+/// What the guard is for, and that the test before can fail: filters that see no edge blur it
+/// however many samples there are.
+#[test]
+fn without_the_guard_what_sees_no_edge_has_a_plateau() {
+    const SIZE: [u32; 2] = [32, 32];
+    let truth = picture_of(SIZE, lit_wall);
+    for kind in BLIND {
+        let [[before, guarded_before], [after, guarded]] = [64, 1024].map(|samples| {
+            let film = noisy_wall(SIZE, samples, 3, lit_wall);
+            [filter(&film, kind), denoise(&film, kind).0].map(|p| mean_squared_error(&p, &truth))
+        });
+        // The blur stays, where the noise of 16 times the samples is a sixteenth.
+        let what = format!("{kind}: {before:e}, then {after:e}");
+        assert!(after > 0.5 * before, "{what}");
+        let what = format!("{kind}: guarded {guarded_before:e}, then {guarded:e}");
+        assert!(guarded < 0.25 * guarded_before && guarded < 0.1 * after, "{what}");
+    }
+}
+
 /// It is to stop renders, so it must not be far below the truth. It is above where a filter leaves
 /// little: what squared differences exceed noise by is averaged over a Gaussian of 1 pixel, some 12
 /// pixels, so that it has a deviation of `sqrt(2 / 12)` of the noise. What is below 0 does not
@@ -123,8 +145,6 @@ fn errors_fall_with_samples_without_a_plateau() {
 /// noise the estimate is then the noise itself, whatever little the filter may still gain.
 #[test]
 fn the_error_that_is_left_is_known() {
-    /// They look at no colours.
-    const BLIND: [FilterKind; 2] = [FilterKind::AxisAligned, FilterKind::Manifolds];
     const SIZE: [u32; 2] = [32, 32];
     let truth = picture_of(SIZE, shadowed_wall);
     for kind in FilterKind::built_in() {

@@ -46,7 +46,8 @@ pub fn run(arguments: &CompareArguments, given: &Given) -> Result<Ending, CliErr
     let mut warnings = remarks(test_path, &test);
     warnings.extend(remarks(reference_path, &reference));
     warnings.extend(display_values(arguments, &test, &reference));
-    let settings = ComparisonSettings::default();
+    let displays = [&test, &reference].map(display);
+    let settings = ComparisonSettings { displays, ..Default::default() };
     let comparison =
         image::compare(&test.colors, &reference.colors, &settings).map_err(in_context)?;
     let agreement = arguments.reference_samples.map(|samples| {
@@ -113,6 +114,14 @@ fn display_values(
     ))
 }
 
+/// How a picture is shown where its looks are compared: a PNG has its tone map in it.
+fn display(picture: &Picture) -> Display {
+    match picture.values {
+        Values::Display => Display { exposure: 0.0, tone_map: ToneMap::Clip },
+        Values::Radiance => Display::default(),
+    }
+}
+
 /// Everything as JSON: the numbers of the comparison, those of the test of agreement, warnings.
 fn json(
     comparison: &Comparison,
@@ -137,6 +146,13 @@ fn lines(comparison: &Comparison) -> Vec<String> {
         format!(
             "trimmed relMSE  {:.6}  (without the worst 0.1 % of the pixels)",
             comparison.trimmed_relative_mse
+        ),
+        format!(
+            "SSIM            {}",
+            comparison.ssim.map_or_else(
+                || "-  (no window of 11x11 pixels fits)".into(),
+                |ssim| format!("{ssim:.6}")
+            )
         ),
         format!(
             "mean            {:.6} / {:.6} = {}  (by component {})",

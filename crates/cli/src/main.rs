@@ -72,7 +72,7 @@ enum Command {
     Picture(picture::PictureArguments),
     /// Make one film file of those of a render's parts.
     Merge(merge::MergeArguments),
-    /// Compare two pictures: RMSE, relMSE, ratio of the means.
+    /// Compare two pictures: RMSE, relMSE, SSIM, ratio of the means.
     Compare(compare::CompareArguments),
     /// Take noise out of a picture that was rendered before, here or by another renderer.
     Denoise(denoise::DenoiseArguments),

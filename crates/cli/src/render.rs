@@ -21,7 +21,7 @@ use raystream::exec::device::Device;
 use raystream::film::Film;
 use raystream::film_file::{Command, FilmFile, Header, kernels_digest, scene_digest};
 use raystream::image;
-use raystream::render::estimator::EstimateBuffers;
+use raystream::render::estimator::{EstimateBuffers, Noise};
 use raystream::render::{
     Budget, FilterKind, LocalWorker, Outcome, PreparedScene, Renderer, Settings, Split, Stop,
     run_watched,
@@ -181,20 +181,21 @@ pub fn go_on(
     arguments.fall_back_on_large_films(&device, &mut settings);
     let (device, others) = (&device, others.as_slice());
     let job = Job { arguments, from, device, others, on, prepared: &prepared, settings, name };
-    let Rendered { film, outcome, kept } = job.render()?;
-    arguments.say(&summary(&outcome, &film));
-    for line in shortcomings(&outcome, &film, settings.sampling.noise) {
+    let rendered = job.render()?;
+    arguments.say(&summary(&rendered));
+    for line in shortcomings(&rendered, settings.sampling.noise) {
         output::say(&line);
     }
+    let Rendered { film, outcome, .. } = &rendered;
     if outcome.paths > 0 && film.radiance.iter().all(|pixel| pixel.sum() == Vec3::ZERO) {
         output::say(&format!("warning: {BLACK}"));
     }
     if let Some(filter) = settings.denoise {
         arguments.say(&format!("filtered the picture ({filter})"));
     }
-    arguments.write(&outputs, &film, &job.picture_header(&film, &outcome))?;
-    kept?;
-    Ok(if outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
+    arguments.write(&outputs, film, &job.picture_header(&rendered))?;
+    rendered.kept?;
+    Ok(if rendered.outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
 }
 
 /// What to call devices that render together: of one kind, they make the film of one of them.
@@ -225,6 +226,8 @@ struct Job<'a> {
 struct Rendered {
     film: Film,
     outcome: Outcome,
+    /// What is left in the picture; none where errors are not estimated.
+    noise: Option<Noise>,
     /// Whether the film file could be written at the end.
     kept: Result<(), CliError>,
 }
@@ -257,7 +260,8 @@ impl Job<'_> {
             Ok(())
         });
         renderer.finish_features()?;
-        Ok(Rendered { film: renderer.film()?, outcome, kept })
+        let noise = renderer.noise()?;
+        Ok(Rendered { film: renderer.film()?, outcome, noise, kept })
     }
 
     /// Who keeps the film, if that was asked for.
@@ -340,7 +344,8 @@ impl Job<'_> {
     }
 
     /// What pictures say of the render: keys and values.
-    fn picture_header(&self, film: &Film, outcome: &Outcome) -> Vec<(String, String)> {
+    fn picture_header(&self, rendered: &Rendered) -> Vec<(String, String)> {
+        let Rendered { film, outcome, noise, .. } = rendered;
         let settings = &self.settings;
         let seconds = self.seconds_before() + outcome.elapsed.as_secs_f64();
         let mut header = vec![
@@ -351,7 +356,7 @@ impl Job<'_> {
             ("stop".to_owned(), stop_name(outcome.stop).to_owned()),
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ];
-        if let Some(noise) = outcome.noise {
+        if let Some(noise) = noise {
             header.push(("estimated_error".to_owned(), noise.relative_error.to_string()));
         }
         header.extend(self.arguments.settings.describe(settings));
@@ -465,9 +470,10 @@ impl RenderArguments {
     }
 }
 
-fn summary(outcome: &Outcome, film: &Film) -> String {
+fn summary(rendered: &Rendered) -> String {
+    let Rendered { film, outcome, noise, .. } = rendered;
     let seconds = outcome.elapsed.as_secs_f64().max(1e-9);
-    let error = outcome.noise.map_or_else(String::new, |noise| {
+    let error = noise.map_or_else(String::new, |noise| {
         format!(", estimated error {:.2} %", 100.0 * noise.relative_error)
     });
     format!(
@@ -480,7 +486,8 @@ fn summary(outcome: &Outcome, film: &Film) -> String {
 }
 
 /// What the picture lacks of what was asked for, a sentence each.
-fn shortcomings(outcome: &Outcome, film: &Film, wanted: Option<f32>) -> Vec<String> {
+fn shortcomings(rendered: &Rendered, wanted: Option<f32>) -> Vec<String> {
+    let Rendered { film, outcome, noise, .. } = rendered;
     let mut lines = Vec::new();
     let unseen = film.radiance.iter().filter(|pixel| pixel.samples() == 0).count();
     if unseen > 0 {
@@ -490,7 +497,7 @@ fn shortcomings(outcome: &Outcome, film: &Film, wanted: Option<f32>) -> Vec<Stri
             film.radiance.len()
         ));
     }
-    if let (Some(wanted), Some(noise)) = (wanted, outcome.noise)
+    if let (Some(wanted), Some(noise)) = (wanted, noise)
         && outcome.stop != Stop::Noise
     {
         let first = match outcome.stop {

@@ -1,6 +1,7 @@
 //! How far one picture is from another, in numbers.
 
-use super::{ColorImage, ImageError};
+use super::similarity::{shown_luminance, structural_similarity};
+use super::{ColorImage, Display, ImageError};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -14,12 +15,14 @@ pub struct ComparisonSettings {
     pub trim: f64,
     /// Side of a block in pixels; 0 counts as 1.
     pub block: u32,
+    /// How the picture and the reference are shown where it is compared how alike they look.
+    pub displays: [Display; 2],
 }
 
 impl Default for ComparisonSettings {
-    /// 0.01, a thousandth, 16 pixels.
+    /// 0.01, a thousandth, 16 pixels, both by the default display.
     fn default() -> Self {
-        Self { epsilon: 0.01, trim: 0.001, block: 16 }
+        Self { epsilon: 0.01, trim: 0.001, block: 16, displays: [Display::default(); 2] }
     }
 }
 
@@ -33,6 +36,10 @@ pub struct Comparison {
     pub relative_mse: f64,
     /// The same without the worst pixels (fireflies): what noise remains elsewhere.
     pub trimmed_relative_mse: f64,
+    /// Structural similarity (SSIM) of what a screen shows of the luminance, by the windows of
+    /// 11x11 pixels of Wang et al. 2004: 1 where the pictures look the same, at least -1; nothing
+    /// if not one window fits into the picture.
+    pub ssim: Option<f64>,
     /// Mean of `t` over pixels and components.
     pub mean_test: f64,
     /// Mean of `r` over pixels and components.
@@ -94,6 +101,11 @@ pub fn compare(
         rmse: (mean(squares) / pixels).sqrt(),
         relative_mse,
         trimmed_relative_mse: trimmed_mean(&mut relative, settings.trim),
+        ssim: structural_similarity(
+            &shown_luminance(&test, &settings.displays[0]),
+            &shown_luminance(&reference, &settings.displays[1]),
+            width,
+        ),
         mean_test,
         mean_reference,
         ratio: ratio(mean_test, mean_reference),
@@ -185,6 +197,7 @@ fn ratio(test: f64, reference: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::ToneMap;
     use glam::Vec3;
 
     fn image(width: u32, height: u32, pixel: impl Fn(u32, u32) -> Vec3) -> ColorImage {
@@ -205,7 +218,8 @@ mod tests {
         let reference =
             image(2, 1, |x, _| if x == 0 { Vec3::ONE } else { Vec3::new(1.0, 2.0, 4.0) });
         let test = image(2, 1, |x, _| if x == 0 { Vec3::ONE } else { Vec3::new(2.0, 2.0, 2.0) });
-        let settings = ComparisonSettings { epsilon: 1.0, trim: 0.5, block: 1 };
+        let settings =
+            ComparisonSettings { epsilon: 1.0, trim: 0.5, block: 1, ..Default::default() };
         let c = compare(&test, &reference, &settings).unwrap();
         close(c.rmse, (5.0_f64 / 6.0).sqrt());
         close(c.relative_mse, (1.0 / 2.0 + 4.0 / 17.0) / 6.0);
@@ -257,6 +271,28 @@ mod tests {
         let c = compare(&test, &reference, &ComparisonSettings::default()).unwrap();
         close(c.trimmed_relative_mse, 1.0 / 1.01);
         assert!(c.relative_mse > 1e4);
+    }
+
+    #[test]
+    fn similarity_is_of_what_a_screen_shows() {
+        let stripes =
+            |x: u32, bright: f32| Vec3::splat(if x.is_multiple_of(4) { bright } else { 0.1 });
+        let reference = image(20, 12, |x, _| stripes(x, 2.0));
+        let brighter = image(20, 12, |x, _| stripes(x, 4.0));
+        let clip = Display { exposure: 0.0, tone_map: ToneMap::Clip };
+        let cut_off = ComparisonSettings { displays: [clip; 2], ..Default::default() };
+        let ssim = |test: &ColorImage, settings: &ComparisonSettings| {
+            compare(test, &reference, settings).unwrap().ssim.unwrap()
+        };
+        assert_eq!(ssim(&brighter, &cut_off), 1.0, "both are white");
+        let soft = ssim(&brighter, &ComparisonSettings::default());
+        assert!(0.9 < soft && soft < 1.0, "{soft}");
+        // What is not finite is black, as everywhere.
+        let broken = image(20, 12, |x, _| stripes(x, f32::INFINITY));
+        let black = image(20, 12, |x, _| stripes(x, 0.0));
+        assert_eq!(ssim(&broken, &cut_off), ssim(&black, &cut_off));
+        let small = image(9, 20, |_, _| Vec3::ONE);
+        assert_eq!(compare(&small, &small, &cut_off).unwrap().ssim, None);
     }
 
     #[test]

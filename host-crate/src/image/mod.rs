@@ -20,6 +20,7 @@ mod picture;
 mod png;
 mod read;
 mod replace;
+mod similarity;
 mod tone;
 
 pub use agreement::{Agreement, agreement};

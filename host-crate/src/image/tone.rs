@@ -37,15 +37,21 @@ impl Display {
     /// The sRGB bytes of a linear Rec.709 colour. Not a number and negative components become 0,
     /// infinite ones as bright as can be.
     pub fn srgb8(&self, linear: Vec3) -> [u8; 3] {
+        let mapped = self.mapped(linear);
+        mapped.to_array().map(|c| (srgb_encode(c.clamp(0.0, 1.0)) * 255.0).round() as u8)
+    }
+
+    /// A linear colour after exposure and tone map, still linear; what is above 1 is white. Not a
+    /// number and negative components become 0.
+    pub(super) fn mapped(&self, linear: Vec3) -> Vec3 {
         // Finite, so that neither the scale nor the tone map can make a NaN of it.
         let scale = self.exposure.exp2().min(MAX);
         let exposed = linear.map(|c| if c > 0.0 { (c.min(MAX) * scale).min(MAX) } else { 0.0 });
-        let mapped = match self.tone_map {
+        match self.tone_map {
             ToneMap::Soft => soft(exposed),
             ToneMap::Clip => exposed,
             ToneMap::Aces => exposed.map(aces),
-        };
-        mapped.to_array().map(|c| (srgb_encode(c.clamp(0.0, 1.0)) * 255.0).round() as u8)
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 
 pub mod allocator;
 mod checkpoint;
+mod denoised;
 mod error;
 pub mod estimator;
 pub mod film;

@@ -1,10 +1,11 @@
 //! A render: what it owns, and what it can be asked.
 
 use super::allocator::{Allocation, RoundBuffers, Stream, Windows};
+use super::denoised::DenoisedPicture;
 use super::estimator::{Estimation, FilmSamples, Noise};
 use super::film::control::ControlFilm;
 use super::integrator::{self, Integrator, IntegratorContext};
-use super::reconstruction::{FilterView, FilteredPicture, Reconstruction};
+use super::reconstruction::FilterView;
 use super::round::Round;
 use super::round::batch::BatchSize;
 use super::round::launches::TimedLaunches;
@@ -37,7 +38,7 @@ pub struct Renderer<E: Executor = Device> {
     /// None where no half of the samples is one.
     control: Option<ControlFilm<E::Buffer>>,
     /// None where the picture is not to be filtered.
-    reconstruction: Option<Reconstruction<E::Buffer>>,
+    denoised: Option<DenoisedPicture<E::Buffer>>,
     ray_counts: Array<E::Buffer, u32>,
     /// What is left of a round of independent samples that was dropped before its end.
     pub(super) rest: Windows,
@@ -83,7 +84,7 @@ impl<E: Executor> Renderer<E> {
             sampling,
             allocation: Allocation::new(sampling.allocator, executor, state.film.pixels())?,
             control: control.transpose()?,
-            reconstruction: reconstruction(executor, settings)?,
+            denoised: DenoisedPicture::new(executor, settings)?,
             ray_counts: Array::zeroed(executor, "ray counts", COUNTERS as usize)?,
             rest: Windows::default(),
             skipped: 0,
@@ -209,27 +210,25 @@ impl<E: Executor> Renderer<E> {
         self.gather()?;
         let samples = self.film_samples();
         let noise = self.estimation.noise(&self.state, samples)?;
-        let (Some(noise), Some(reconstruction)) = (noise, &self.reconstruction) else {
+        let (Some(noise), Some(denoised)) = (noise, &self.denoised) else {
             return Ok(noise);
         };
-        self.reconstruct(reconstruction)?;
-        let guarded = reconstruction.guarded();
+        self.filter(denoised)?;
+        let guarded = denoised.guarded();
         let left = self.estimation.noise_of(&self.state.executor, guarded, &noise)?;
         // Whether pixels want samples is said by what the allocator goes by.
         Ok(left.map(|left| Noise { unconverged: noise.unconverged, ..left }))
     }
 
-    /// Filters the picture so far. Returns where the time went.
-    fn reconstruct(
-        &self,
-        reconstruction: &Reconstruction<E::Buffer>,
-    ) -> Result<Timings, ExecError> {
+    /// Filters the picture so far, unless that has been done. Returns where the time went.
+    fn filter(&self, denoised: &DenoisedPicture<E::Buffer>) -> Result<Timings, ExecError> {
         let view = FilterView {
             camera: self.state.parameters.camera,
             mean_radiance: self.estimation.mean_radiance(),
         };
         let control = self.sampling.split() == Split::Control;
-        reconstruction.run(&self.state.executor, &self.state.film, &view, control)
+        let DeviceState { executor, film, .. } = &self.state;
+        denoised.update(executor, film, self.estimation.version(), &view, control)
     }
 
     /// Whether the picture's relative error is at most [`Sampling::noise`], or that of every pixel
@@ -306,14 +305,15 @@ impl<E: Executor> Renderer<E> {
         film.estimates = self.estimation.read(executor)?;
         let control = self.control.as_ref();
         film.corrections = control.map(|control| control.read(executor)).transpose()?;
-        let denoised = self.reconstruction.as_ref().map(|picture| picture.read(executor));
+        let denoised = self.denoised.as_ref().map(|picture| picture.read(executor));
         film.denoised = denoised.transpose()?;
         Ok(film)
     }
 
     /// Computes on the device what is to be added to the picture so that it is without bias, where
-    /// there is a control film, and the filtered picture, where there is to be one: the last step
-    /// before the film is read, which [`Self::film`] takes by itself. Returns where the time went.
+    /// there is a control film, and the filtered picture, where there is to be one and it is not
+    /// there yet ([`Self::noise`] wants it, too): the last step before the film is read, which
+    /// [`Self::film`] takes by itself. Returns where the time went.
     pub fn resolve(&self) -> Result<Timings, ExecError> {
         self.gather()?;
         let mut launches = TimedLaunches::default();
@@ -321,21 +321,9 @@ impl<E: Executor> Renderer<E> {
             launches.add(control.launches(&self.state.film), Part::Resolve);
         }
         let mut timings = launches.run(&self.state.executor)?;
-        if let Some(reconstruction) = &self.reconstruction {
-            timings += self.reconstruct(reconstruction)?;
+        if let Some(denoised) = &self.denoised {
+            timings += self.filter(denoised)?;
         }
         Ok(timings)
     }
-}
-
-/// What [`Settings::denoise`] asks for.
-fn reconstruction<E: Executor>(
-    executor: &E,
-    settings: &Settings,
-) -> Result<Option<Reconstruction<E::Buffer>>, ExecError> {
-    let create = |kind| {
-        let filter = settings.sampling.estimation.filter;
-        Reconstruction::new(executor, FilteredPicture::new(executor, settings.size, kind, filter)?)
-    };
-    settings.denoise.map(create).transpose()
 }

@@ -1,7 +1,6 @@
 //! The render loop and what stops it.
 
 use super::error::RenderError;
-use super::estimator::Noise;
 use super::renderer::Renderer;
 use super::round::Round;
 use super::timings::Timings;
@@ -65,8 +64,6 @@ pub struct Outcome {
     pub timings: Timings,
     /// What ended it.
     pub stop: Stop,
-    /// The noise of the picture, by estimate; none where errors are not estimated.
-    pub noise: Option<Noise>,
 }
 
 impl Outcome {
@@ -201,7 +198,6 @@ pub fn run_watched<E: Executor>(
         elapsed: clock.start.elapsed(),
         paths: renderer.paths() - clock.progress.paths_before,
         rays: renderer.rays()? - rays_before,
-        noise: renderer.noise()?,
         timings: clock.timings,
         stop,
     })

@@ -3,6 +3,7 @@
 
 mod bias;
 mod budgets;
+mod filtering;
 mod noise;
 mod renders;
 mod repeatability;

@@ -37,7 +37,7 @@ pub fn checkpoints(last: u32, extra: &[u32]) -> Vec<u32> {
 }
 
 /// The curve of several repetitions: errors as root of the mean of squares (means, where they are
-/// squares or ratios), times as medians. Checkpoints that some repetition jumped over are left out.
+/// squares, similarities or ratios), times as medians. Checkpoints that some repetition jumped over are left out.
 pub fn aggregate(repetitions: &[Vec<Point>]) -> Vec<Point> {
     let Some((first, others)) = repetitions.split_first() else { return Vec::new() };
     let at_checkpoint = |point: &Point| {
@@ -54,6 +54,7 @@ fn average(points: &[Point]) -> Point {
     let mean =
         |value: &dyn Fn(&Point) -> f64| points.iter().map(value).sum::<f64>() / points.len() as f64;
     let middle = |value: &dyn Fn(&Point) -> Duration| median(points.iter().map(value).collect());
+    let ssims: Option<Vec<f64>> = points.iter().map(|p| p.errors.ssim).collect();
     Point {
         checkpoint: points[0].checkpoint,
         samples: mean(&|p| p.samples),
@@ -64,6 +65,7 @@ fn average(points: &[Point]) -> Point {
             rmse: mean(&|p| p.errors.rmse.powi(2)).sqrt(),
             trimmed_rmse: mean(&|p| p.errors.trimmed_rmse.powi(2)).sqrt(),
             relative_mse: mean(&|p| p.errors.relative_mse),
+            ssim: ssims.map(|all| all.iter().sum::<f64>() / all.len() as f64),
             mean_ratio: mean(&|p| p.errors.mean_ratio),
         },
     }
@@ -85,6 +87,7 @@ pub mod tests {
                 rmse: error,
                 trimmed_rmse: error,
                 relative_mse: error * error,
+                ssim: Some(1.0 - error / 10.0),
                 mean_ratio: 1.0,
             },
         }
@@ -108,6 +111,7 @@ pub mod tests {
         assert_eq!(curve[1].wall, Duration::from_secs(4));
         assert!((curve[0].errors.rmse - (50.0_f64 / 3.0).sqrt()).abs() < 1e-12);
         assert!((curve[1].errors.relative_mse - 50.0 / 12.0).abs() < 1e-12);
+        assert!((curve[0].errors.ssim.unwrap() - 0.6).abs() < 1e-12);
     }
 
     #[test]

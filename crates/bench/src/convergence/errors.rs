@@ -16,6 +16,9 @@ pub struct Errors {
     pub trimmed_rmse: f64,
     /// Mean of squared errors over squared reference, see [`raystream::image::Comparison`].
     pub relative_mse: f64,
+    /// Structural similarity, see [`raystream::image::Comparison`]: none of a picture that is
+    /// smaller than its window.
+    pub ssim: Option<f64>,
     /// Mean of the picture over that of the reference.
     pub mean_ratio: f64,
 }
@@ -40,6 +43,7 @@ impl Errors {
             rmse: comparison.rmse,
             trimmed_rmse: trimmed_mean(&mut squares, TRIM).sqrt(),
             relative_mse: comparison.relative_mse,
+            ssim: comparison.ssim,
             mean_ratio,
         })
     }

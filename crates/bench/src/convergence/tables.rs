@@ -24,6 +24,7 @@ pub struct CurveRow {
     rmse: f64,
     trimmed_rmse: f64,
     relative_mse: f64,
+    ssim: Option<f64>,
     mean_ratio: f64,
     limited_by_reference: bool,
 }
@@ -45,6 +46,7 @@ pub fn curve_rows(measurement: &Measurement, noise: f64) -> impl Iterator<Item =
         rmse: p.errors.rmse,
         trimmed_rmse: p.errors.trimmed_rmse,
         relative_mse: p.errors.relative_mse,
+        ssim: p.errors.ssim,
         mean_ratio: p.errors.mean_ratio,
         limited_by_reference: p.errors.rmse < REFERENCE_MARGIN * noise,
     };

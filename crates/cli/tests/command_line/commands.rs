@@ -24,9 +24,11 @@ fn compare_measures_the_difference() {
     let equal = json("a.exr same.exr");
     assert_eq!(equal["rmse"], 0.0);
     assert_eq!(equal["ratio"], 1.0);
+    assert_eq!(equal["ssim"], serde_json::Value::Null, "it has no 11 pixels");
     assert!(json("a.exr b.exr")["rmse"].as_f64().unwrap() > 0.0);
     let text = run(folder.path(), "compare a.exr same.exr").succeeded().stdout;
     assert!(text.starts_with("RMSE            0.000000\n"), "{text}");
+    assert!(text.contains("\nSSIM            -  (no window"), "{text}");
     run(folder.path(), "compare a.png a.png").succeeded();
 }
 

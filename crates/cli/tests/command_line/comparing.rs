@@ -40,6 +40,26 @@ fn radiance_and_a_png_are_not_the_same() {
     }
 }
 
+/// A PNG shows what the comparison makes of the EXR, up to its 8 bits.
+#[test]
+fn similarity_is_that_of_what_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    render(folder.path(), "--size 32x24 --spp 4 -q -o a.exr -o a.png").succeeded();
+    render(folder.path(), "--size 32x24 --spp 4 --seed 1 -q -o b.exr -o b.png").succeeded();
+    let ssim = |pictures: &str| {
+        let run = run(folder.path(), &format!("compare {pictures} --json")).succeeded();
+        json(&run)["ssim"].as_f64().unwrap()
+    };
+    assert_eq!([ssim("a.exr a.exr"), ssim("b.png b.png")], [1.0; 2]);
+    let other = ssim("a.exr b.exr");
+    assert!(0.0 < other && other < 0.99, "{other}");
+    for shown in [ssim("a.exr b.png"), ssim("a.png b.exr"), ssim("a.png b.png")] {
+        assert!((shown - other).abs() < 0.01, "{shown} of PNGs, {other} of EXRs");
+    }
+    let text = run(folder.path(), "compare a.exr b.exr").succeeded().stdout;
+    assert!(text.contains(&format!("\nSSIM            {other:.6}\n")), "{text}");
+}
+
 /// Renders of one scene, which `arguments` of the first and of the second tell apart, tested for
 /// agreement.
 fn agreement(folder: &Path, first: &str, second: &str) -> Run {

@@ -84,6 +84,7 @@ fn assert_curves(curves: &[Row]) {
         let (rmse, trimmed) = (number(row, "rmse"), number(row, "trimmed_rmse"));
         // A thousandth of so few pixels is none: both are one, but for the order of their sum.
         assert!(rmse > 0.0 && (trimmed / rmse - 1.0).abs() < 1e-12, "{row:?}");
+        assert!((-1.0..1.0).contains(&number(row, "ssim")), "{row:?}");
     }
     assert!(curves.iter().any(|row| row["configuration"] == "runs-bilateral"));
 }

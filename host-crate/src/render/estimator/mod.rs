@@ -33,6 +33,16 @@ pub struct Estimation<B> {
     mean_radiance: Option<f32>,
     /// Camera rays of each pixel's features.
     feature_samples: u32,
+    /// How often the samples of the film have changed.
+    changes: u64,
+}
+
+/// What filters see of a render: a picture of the same version is the same picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilmVersion {
+    changes: u64,
+    feature_samples: u32,
+    mean_radiance_bits: u32,
 }
 
 /// How far the film is.
@@ -67,6 +77,7 @@ impl<B> Estimation<B> {
             is_current: false,
             mean_radiance: None,
             feature_samples: 0,
+            changes: 0,
         })
     }
 
@@ -78,6 +89,16 @@ impl<B> Estimation<B> {
     /// Tells it that the film has changed.
     pub fn film_changed(&mut self) {
         self.is_current = false;
+        self.changes += 1;
+    }
+
+    /// Of the film as it is.
+    pub fn version(&self) -> FilmVersion {
+        FilmVersion {
+            changes: self.changes,
+            feature_samples: self.feature_samples,
+            mean_radiance_bits: self.mean_radiance().to_bits(),
+        }
     }
 
     /// Launches that bring the features up to date and estimate the errors as they are, unless
@@ -190,12 +211,12 @@ impl<B> Estimation<B> {
         self.feature_samples
     }
 
-    /// Goes on with features of as many camera rays, and with a mean radiance that was measured
-    /// before.
+    /// Goes on with another film, with features of as many camera rays and with a mean radiance
+    /// that was measured before.
     pub fn restore(&mut self, feature_samples: u32, mean_radiance: Option<f32>) {
         self.feature_samples = feature_samples;
         self.mean_radiance = mean_radiance;
-        self.is_current = false;
+        self.film_changed();
     }
 
     /// Brings the features of every pixel to as many camera rays as a picture of its samples

@@ -157,6 +157,9 @@ impl<'r, E: Executor> Round<'r, E> {
         if self.renderer.samples_that_share().is_some() {
             self.renderer.gather()?;
         }
+        if given > 0 {
+            self.renderer.estimation.film_changed();
+        }
         let batch = Batch { paths: given, timings: Timings::default() };
         Ok((given > 0).then_some(batch))
     }
