@@ -37,7 +37,8 @@ pub fn checkpoints(last: u32, extra: &[u32]) -> Vec<u32> {
 }
 
 /// The curve of several repetitions: errors as root of the mean of squares (means, where they are
-/// squares, similarities or ratios), times as medians. Checkpoints that some repetition jumped over are left out.
+/// squares, similarities or ratios), times as medians. Checkpoints that some repetition jumped over
+/// are left out.
 pub fn aggregate(repetitions: &[Vec<Point>]) -> Vec<Point> {
     let Some((first, others)) = repetitions.split_first() else { return Vec::new() };
     let at_checkpoint = |point: &Point| {
