@@ -275,7 +275,9 @@ impl Devices {
         if name == "auto" && number == 1 {
             return Ok(self.open_best());
         }
-        match self.open_gpu(name, number)? {
+        // Every name has nothing in it.
+        let found = if name.is_empty() { None } else { self.open_gpu(name, number)? };
+        match found {
             Some(device) => Ok(device),
             None => {
                 let known: Vec<_> = self.list().into_iter().map(|info| info.name).collect();

@@ -152,7 +152,6 @@ mod tests {
                 elapsed: Duration::from_secs(1),
                 timings,
                 stop: Stop::Samples,
-                noise: None,
             };
             let (mpaths_per_second, mrays_per_second, rays_per_path) = (mean, 1.0, 1.0);
             PathSpeed {
