@@ -90,6 +90,17 @@ fn the_film_is_that_of_one_device() {
     }
 }
 
+/// A device with room for shorter streams is sent its part in pieces.
+#[test]
+fn streams_may_be_longer_than_a_workers() {
+    let (_, settings, scene) = cases().swap_remove(0);
+    let short = Settings { stream_slots: Some(128), ..settings };
+    let alone = rendered(CpuExecutor, (&scene, &settings), Vec::new());
+    let workers = vec![worker(CpuExecutor, (&scene, &short))];
+    let together = rendered(CpuExecutor, (&scene, &settings), workers);
+    assert_same(&together, &alone, "streams of 128 slots");
+}
+
 /// The same GPU, opened twice.
 #[test]
 fn the_film_of_two_gpus_is_that_of_one() {

@@ -53,6 +53,23 @@ impl<E: Executor> LocalWorker<E> {
         self.state.executor.run_parts(&[launches])?;
         Ok(())
     }
+
+    /// The contributions of slots that fit into the stream.
+    fn trace_at_once(&mut self, slots: &[Slot]) -> Result<Vec<Contribution>, ExecError> {
+        let count = slots.len() as u32;
+        self.state.slots.write(&self.state.executor, slots)?;
+        let mut next = 0;
+        while next < count {
+            let batch = self.batch.slots().next_multiple_of(WINDOW_ALIGNMENT);
+            let part = next..count.min(next + batch);
+            let start = Instant::now();
+            let stream = self.state.stream_buffers();
+            self.run(&self.state.integrator.trace(&stream, part.clone()))?;
+            self.batch.record(part.len() as u32, start.elapsed());
+            next = part.end;
+        }
+        self.state.contributions.read_range(&self.state.executor, 0..slots.len())
+    }
 }
 
 impl<E: Executor + Send> Worker for LocalWorker<E>
@@ -80,19 +97,12 @@ where
     }
 
     fn trace(&mut self, slots: &[Slot]) -> Result<Vec<Contribution>, ExecError> {
-        let count = slots.len() as u32;
-        self.state.slots.write(&self.state.executor, slots)?;
-        let mut next = 0;
-        while next < count {
-            let batch = self.batch.slots().next_multiple_of(WINDOW_ALIGNMENT);
-            let part = next..count.min(next + batch);
-            let start = Instant::now();
-            let stream = self.state.stream_buffers();
-            self.run(&self.state.integrator.trace(&stream, part.clone()))?;
-            self.batch.record(part.len() as u32, start.elapsed());
-            next = part.end;
+        let mut contributions = Vec::with_capacity(slots.len());
+        // The render's device may have room for longer streams.
+        for slots in slots.chunks(self.state.slots.len()) {
+            contributions.extend(self.trace_at_once(slots)?);
         }
-        self.state.contributions.read_range(&self.state.executor, 0..slots.len())
+        Ok(contributions)
     }
 
     fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError> {
