@@ -194,10 +194,12 @@ pub fn run_watched<E: Executor>(
         watch.may_checkpoint(renderer)?;
         clock.count_rays(renderer)?;
     };
+    // That waits for workers and for their films, which is a part of the time.
+    let rays = renderer.rays()? - rays_before;
     Ok(Outcome {
         elapsed: clock.start.elapsed(),
         paths: renderer.paths() - clock.progress.paths_before,
-        rays: renderer.rays()? - rays_before,
+        rays,
         timings: clock.timings,
         stop,
     })

@@ -10,6 +10,7 @@ pub mod state;
 use super::allocator::{RoundBuffers, Stream, Streams, Windows};
 use super::film::WINDOW_ALIGNMENT;
 use super::renderer::Renderer;
+use super::settings::sampling::AllocatorKind;
 use super::timings::{Part, Timings};
 use crate::exec::{ExecError, Executor};
 use launches::TimedLaunches;
@@ -116,8 +117,8 @@ impl<'r, E: Executor> Round<'r, E> {
 
     /// Gives windows to the workers that have time. Returns how many slots.
     fn give(&mut self) -> Result<u32, ExecError> {
-        // What a round begins with goes by the film before it.
-        if self.is_new && self.is_adaptive() {
+        // The next errors want all of the film, and to hand it over takes longer than few samples.
+        if self.renderer.sampling.allocator != AllocatorKind::Uniform {
             return Ok(0);
         }
         if self.renderer.team().is_full() {
