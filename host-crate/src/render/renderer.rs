@@ -1,6 +1,6 @@
 //! A render: what it owns, and what it can be asked.
 
-use super::allocator::{Allocation, RoundBuffers, Stream, Windows};
+use super::allocator::{Allocation, RoundBuffers, Windows};
 use super::denoised::DenoisedPicture;
 use super::estimator::{Estimation, FilmSamples, Noise};
 use super::film::control::ControlFilm;
@@ -109,19 +109,8 @@ impl<E: Executor> Renderer<E> {
         let mut team = self.team();
         team.hand_over(film.pixels(), |ranks, sums| film.add_ranks(executor, ranks.start, sums))?;
         for window in team.take_lost() {
-            self.sample(&window)?;
+            self.state.sample(&self.allocation, &self.round_buffers(0), &window)?;
         }
-        Ok(())
-    }
-
-    /// Traces the samples of a window, all at once.
-    fn sample(&self, window: &Stream) -> Result<(), ExecError> {
-        let Self { state, allocation, .. } = self;
-        let buffers = self.round_buffers(0);
-        let mut launches = allocation.fill(&buffers, window);
-        launches.extend(state.integrator.trace(&state.stream_buffers(), 0..window.slots));
-        launches.extend(allocation.accumulate(&buffers, window));
-        state.executor.run_parts(&[&launches])?;
         Ok(())
     }
 

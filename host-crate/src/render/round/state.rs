@@ -1,6 +1,7 @@
 //! What rounds work on.
 
 use crate::exec::{Array, ExecError, Executor, Launch, SceneBuffers, halve_until_it_fits};
+use crate::render::allocator::{Allocation, RoundBuffers, Stream};
 use crate::render::film::{FilmBuffers, WINDOW_ALIGNMENT};
 use crate::render::integrator::first_hits::first_hits;
 use crate::render::integrator::{Integrator, IntegratorContext, StreamBuffers};
@@ -58,6 +59,20 @@ impl<E: Executor> DeviceState<E> {
         let integrator = create(&context, slots.len() as u32)?;
         let scene = scene_buffers;
         Ok(Self { executor, scene, film, parameters, integrator, slots, contributions })
+    }
+
+    /// Traces the samples of a window, all at once, and adds them to the film.
+    pub fn sample(
+        &self,
+        allocation: &Allocation<E>,
+        buffers: &RoundBuffers<'_, E::Buffer>,
+        window: &Stream,
+    ) -> Result<(), ExecError> {
+        let mut launches = allocation.fill(buffers, window);
+        launches.extend(self.integrator.trace(&self.stream_buffers(), 0..window.slots));
+        launches.extend(allocation.accumulate(buffers, window));
+        self.executor.run_parts(&[&launches])?;
+        Ok(())
     }
 
     /// What the integrator works on.

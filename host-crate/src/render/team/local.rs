@@ -89,11 +89,7 @@ where
     }
 
     fn sample(&mut self, window: &Stream) -> Result<(), ExecError> {
-        let (state, buffers) = (&self.state, self.buffers());
-        let mut launches = self.allocation.fill(&buffers, window);
-        launches.extend(state.integrator.trace(&state.stream_buffers(), 0..window.slots));
-        launches.extend(self.allocation.accumulate(&buffers, window));
-        self.run(&launches)
+        self.state.sample(&self.allocation, &self.buffers(), window)
     }
 
     fn trace(&mut self, slots: &[Slot]) -> Result<Vec<Contribution>, ExecError> {

@@ -5,9 +5,9 @@
 //! [`raystream_shaders::math::fixed`]), so the film is that of one device alone, bit for bit, where
 //! all are of one kind.
 //!
-//! - **Windows** of pixels, where no errors decide, need nothing but the numbers of their samples. A worker fills
-//!   them, traces them and adds them to a film of its own, one after the other, and waits for
-//!   nobody. Its sums are added to the render's film when somebody wants to look at that.
+//! - **Windows** of pixels, where no errors decide, need nothing but the numbers of their samples. A
+//!   worker fills them, traces them and adds them to a film of its own, one after the other, and
+//!   waits for nobody. Its sums are added to the render's film when somebody wants to look at that.
 //! - **Adaptive streams** are made on the render's device. Each worker is sent a part of the slots,
 //!   in proportion to its speed, and sends the contributions back, for the next round's errors are
 //!   those of them all. That is 24 bytes a slot to and fro, which may take longer than to trace it:
