@@ -11,6 +11,9 @@
 //! [`reconstruction`] takes noise out of the picture.
 #![no_std]
 
+#[cfg(not(target_arch = "spirv"))]
+extern crate std;
+
 pub mod allocator;
 pub mod estimator;
 pub mod film;

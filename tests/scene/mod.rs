@@ -12,6 +12,7 @@ mod format_2;
 mod gltf;
 mod holes;
 mod instances;
+mod lanes;
 mod leaks;
 mod light;
 mod loading;

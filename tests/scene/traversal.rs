@@ -1,4 +1,4 @@
-//! Hits of the same rays on the GPU and on the CPU, and by brute force.
+//! Hits of the same rays on the GPU, on the CPU by all its instructions, and by brute force.
 
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -12,7 +12,7 @@ use raystream_shaders::integrator::params::PathParams;
 use raystream_shaders::math::random::hash;
 use raystream_shaders::probe::BruteForceParams;
 use raystream_shaders::scene::ray::{Hit, Ray};
-use raystream_tests::{large_scenes, prepare, scenes, settings, with_gpu};
+use raystream_tests::{cpus, large_scenes, prepare, scenes, settings, with_gpu};
 
 /// The nearest hits of rays, and 1 for each that hits anything, else 0.
 pub fn hits<E: Executor>(
@@ -51,18 +51,18 @@ fn hits_by_brute_force<E: Executor>(executor: &E, scene: &PreparedScene, rays: &
     hits.read(executor).unwrap()
 }
 
-/// Asserts that traversal finds the hits that testing all triangles finds: the same distances, bit
-/// by bit, and the same triangles of the scene.
-fn assert_hits_are_exact_on<E: Executor>(
+/// Asserts that traversal finds the `expected` hits: the same distances, bit by bit, and the same
+/// triangles of the scene.
+fn assert_hits_are<E: Executor>(
+    expected: &[Hit],
     executor: &E,
     scene: &PreparedScene,
     rays: &[Ray],
     what: &str,
 ) {
     let (found, occluded) = hits(executor, scene, rays).unwrap();
-    let expected = hits_by_brute_force(executor, scene, rays);
     let of_scene = |hit: &Hit| (hit.t.to_bits(), scene.scene_triangle(hit));
-    for (ray, (hit, expected)) in rays.iter().zip(found.iter().zip(&expected)) {
+    for (ray, (hit, expected)) in rays.iter().zip(found.iter().zip(expected)) {
         assert_eq!(of_scene(hit), of_scene(expected), "{what}: {ray:?}: {hit:?}, not {expected:?}");
     }
     let disagree =
@@ -70,12 +70,18 @@ fn assert_hits_are_exact_on<E: Executor>(
     assert_eq!(disagree.count(), 0, "{what}: whether anything is hit");
 }
 
-/// The same on the CPU for all rays and on the GPU for some of them.
+/// Asserts that traversal finds the hits that testing all triangles finds: on the CPU by all its
+/// instructions for all rays, and on the GPU for some of them.
 pub fn assert_hits_are_exact(scene: &PreparedScene, rays: &[Ray], what: &str) {
-    assert_hits_are_exact_on(&CpuExecutor, scene, rays, what);
+    let expected = hits_by_brute_force(&CpuExecutor, scene, rays);
+    for cpu in cpus() {
+        let what = format!("{what}, {}", cpu.description());
+        assert_hits_are(&expected, &cpu, scene, rays, &what);
+    }
     with_gpu(|gpu| {
         let some: Vec<Ray> = rays.iter().copied().step_by(rays.len().div_ceil(4096)).collect();
-        assert_hits_are_exact_on(gpu, scene, &some, &format!("{what} on a GPU"));
+        let expected = hits_by_brute_force(gpu, scene, &some);
+        assert_hits_are(&expected, gpu, scene, &some, &format!("{what} on a GPU"));
     });
 }
 

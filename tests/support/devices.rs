@@ -1,8 +1,10 @@
-//! GPUs, one test at a time.
+//! Devices: GPUs, one test at a time, and the CPU by all its instructions.
 
 use crate::not_tested;
+use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::device::Device;
 use raystream::exec::gpu::GpuExecutor;
+use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::sync::{Arc, Mutex};
 
 /// Set where a missing GPU must fail the tests instead of leaving some out.
@@ -34,6 +36,12 @@ pub fn no_gpu(reason: &str) {
     not_tested(&format!(
         "no Vulkan device: {reason}. Install a driver (a software one: mesa-vulkan-drivers)."
     ));
+}
+
+/// The CPU by all instructions that it has, those of one number first.
+pub fn cpus() -> Vec<Device> {
+    let instructions = [None].into_iter().chain(Simd::all().map(Some));
+    instructions.map(|simd| Device::Cpu(CpuExecutor, simd)).collect()
 }
 
 /// Whether there is a GPU; says so loudly, or fails, if there is none.

@@ -51,7 +51,7 @@ impl Default for Facts {
 impl Facts {
     /// Those that follow from the device; the others by default.
     pub fn of_device(device: &Device) -> Self {
-        Self { on_gpu: !matches!(device, Device::Cpu(_)), ..Self::default() }
+        Self { on_gpu: !matches!(device, Device::Cpu(..)), ..Self::default() }
     }
 
     fn is_adaptive(&self) -> bool {

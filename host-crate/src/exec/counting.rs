@@ -1,6 +1,7 @@
 //! An executor that counts the memory that it is asked for.
 
 use super::{ExecError, Executor, Launch, Limits};
+use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -36,6 +37,10 @@ impl<E: Executor> Executor for Counting<'_, E> {
 
     fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
         self.inner.prepare(abilities)
+    }
+
+    fn simd(&self) -> Option<Simd> {
+        self.inner.simd()
     }
 
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError> {

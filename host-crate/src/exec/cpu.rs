@@ -2,11 +2,14 @@
 
 use super::native::{NativeArguments, NativeBinding};
 use super::{Access, ExecError, Executor, Launch, Limits};
+use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
 /// Runs kernels on the threads of rayon: those of its global pool, one for each core unless you
 /// build it otherwise, or of the pool in which a render is called (`rayon::ThreadPool::install`).
+///
+/// It traces rays by the [widest](Simd::widest) registers of the processor.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CpuExecutor;
 
@@ -30,6 +33,10 @@ impl Executor for CpuExecutor {
 
     fn limits(&self) -> Limits {
         Limits { buffer_bytes: isize::MAX as u64, alignment: 16 }
+    }
+
+    fn simd(&self) -> Option<Simd> {
+        Some(Simd::widest())
     }
 
     fn prepare(&self, _: u32) -> Result<(), ExecError> {
@@ -101,7 +108,8 @@ fn run_one(launch: &Launch<'_, CpuBuffer>) -> Duration {
     (launch.kernel.native)(NativeArguments {
         parameters: &launch.parameters,
         views,
-        abilities: launch.abilities,
+        scene: launch.scene,
+        abilities: launch.scene.abilities,
     });
     start.elapsed()
 }

@@ -4,6 +4,7 @@ use super::cpu::{CpuBuffer, CpuExecutor};
 #[cfg(feature = "gpu")]
 use super::gpu::{Adapters, GpuExecutor};
 use super::{ExecError, Executor, Launch, Limits};
+use raystream_shaders::scene::bvh::wide::lanes::Simd;
 #[cfg(feature = "gpu")]
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,8 +13,9 @@ use std::time::Duration;
 #[derive(Clone)]
 #[non_exhaustive]
 pub enum Device {
-    /// All cores of the processor.
-    Cpu(CpuExecutor),
+    /// All cores of the processor, and the instructions by which they traverse scenes: if none, in
+    /// the way of GPUs. What kernels find is the same, bit for bit.
+    Cpu(CpuExecutor, Option<Simd>),
     /// A GPU, or a software implementation of one.
     #[cfg(feature = "gpu")]
     Gpu(Arc<GpuExecutor>),
@@ -30,7 +32,8 @@ pub enum DeviceBuffer {
 }
 
 impl Device {
-    /// Opens the device that `selection` names, whatever the case: `cpu`; `gpu`, the best GPU, a
+    /// Opens the device that `selection` names, whatever the case: `cpu`; `cpu:` and instructions by
+    /// which rays are traced (`scalar` for those of one number, or a [`Simd::name`]); `gpu`, the best GPU, a
     /// software one if there is no other; `auto`, the best real GPU, else the CPU; or a part of a
     /// device's name. Of several that fit, `gpu:2` or `NAME:2` is the second.
     ///
@@ -46,9 +49,9 @@ impl Device {
     /// Likewise.
     pub fn open_with(selection: &str, options: OpenOptions) -> Result<Self, ExecError> {
         let selection = selection.to_lowercase();
-        if selection == "cpu" {
-            // Looking for GPUs takes time, and a broken driver may not survive it.
-            return Ok(Self::Cpu(CpuExecutor));
+        // Looking for GPUs takes time, and a broken driver may not survive it.
+        if let Some(instructions) = of_cpu(&selection) {
+            return Self::open_cpu(&selection, instructions);
         }
         Devices::enumerate(options).open(&selection)
     }
@@ -69,18 +72,50 @@ impl Device {
         };
         let open = |name: &String| Self::open_with(name, options);
         let Some((first, others)) = names.split_first() else {
-            return Ok((Self::Cpu(CpuExecutor), Vec::new()));
+            return Ok((Self::cpu(), Vec::new()));
         };
         Ok((open(first)?, others.iter().map(open).collect::<Result<_, _>>()?))
+    }
+
+    /// The CPU, with these instructions; the best ones if none are named.
+    fn open_cpu(selection: &str, instructions: Option<&str>) -> Result<Self, ExecError> {
+        let Some(name) = instructions else { return Ok(Self::cpu()) };
+        let found = Simd::all().find(|simd| simd.name() == name);
+        if found.is_none() && name != SCALAR {
+            let known = Simd::all().map(Simd::name).chain([SCALAR]);
+            let known: Vec<_> = known.map(|name| format!("cpu:{name}")).collect();
+            let name = selection.to_owned();
+            return Err(ExecError::NoSuchDevice { name, known: known.join(", ") });
+        }
+        Ok(Self::Cpu(CpuExecutor, found))
+    }
+
+    /// The CPU, with its best instructions.
+    fn cpu() -> Self {
+        Self::Cpu(CpuExecutor, CpuExecutor.simd())
     }
 
     /// What to call it: the GPU's name, or the CPU and its threads.
     pub fn description(&self) -> String {
         match self {
-            Self::Cpu(_) => format!("CPU, {}", threads()),
+            Self::Cpu(_, simd) => {
+                let instructions = simd.map_or(SCALAR, Simd::name);
+                format!("CPU, {}, {instructions}", threads())
+            }
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => gpu.name().to_owned(),
         }
+    }
+}
+
+/// The name of instructions that are none of [`Simd`]'s.
+const SCALAR: &str = "scalar";
+
+/// The instructions that a selection of the CPU names, if it is one.
+fn of_cpu(selection: &str) -> Option<Option<&str>> {
+    match selection.strip_prefix("cpu")? {
+        "" => Some(None),
+        rest => rest.strip_prefix(':').map(Some),
     }
 }
 
@@ -111,7 +146,7 @@ impl Executor for Device {
 
     fn limits(&self) -> Limits {
         match self {
-            Self::Cpu(cpu) => cpu.limits(),
+            Self::Cpu(cpu, _) => cpu.limits(),
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => gpu.limits(),
         }
@@ -119,7 +154,7 @@ impl Executor for Device {
 
     fn name(&self) -> &str {
         match self {
-            Self::Cpu(cpu) => cpu.name(),
+            Self::Cpu(cpu, _) => cpu.name(),
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => gpu.name(),
         }
@@ -127,15 +162,23 @@ impl Executor for Device {
 
     fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
         match self {
-            Self::Cpu(cpu) => cpu.prepare(abilities),
+            Self::Cpu(cpu, _) => cpu.prepare(abilities),
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => gpu.prepare(abilities),
         }
     }
 
+    fn simd(&self) -> Option<Simd> {
+        match self {
+            Self::Cpu(_, simd) => *simd,
+            #[cfg(feature = "gpu")]
+            Self::Gpu(_) => None,
+        }
+    }
+
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<DeviceBuffer, ExecError> {
         match self {
-            Self::Cpu(cpu) => cpu.allocate(label, bytes).map(DeviceBuffer::Cpu),
+            Self::Cpu(cpu, _) => cpu.allocate(label, bytes).map(DeviceBuffer::Cpu),
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => gpu.allocate(label, bytes).map(DeviceBuffer::Gpu),
         }
@@ -143,7 +186,7 @@ impl Executor for Device {
 
     fn write(&self, buffer: &DeviceBuffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
         match self {
-            Self::Cpu(cpu) => cpu.write(buffer.of_cpu(), first_byte, bytes),
+            Self::Cpu(cpu, _) => cpu.write(buffer.of_cpu(), first_byte, bytes),
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => gpu.write(buffer.of_gpu(), first_byte, bytes),
         }
@@ -156,7 +199,7 @@ impl Executor for Device {
         bytes: &mut [u8],
     ) -> Result<(), ExecError> {
         match self {
-            Self::Cpu(cpu) => cpu.read(buffer.of_cpu(), first_byte, bytes),
+            Self::Cpu(cpu, _) => cpu.read(buffer.of_cpu(), first_byte, bytes),
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => gpu.read(buffer.of_gpu(), first_byte, bytes),
         }
@@ -164,7 +207,7 @@ impl Executor for Device {
 
     fn run_parts(&self, parts: &[&[Launch<'_, DeviceBuffer>]]) -> Result<Vec<Duration>, ExecError> {
         match self {
-            Self::Cpu(cpu) => run_on(cpu, parts, DeviceBuffer::of_cpu),
+            Self::Cpu(cpu, _) => run_on(cpu, parts, DeviceBuffer::of_cpu),
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => run_on(gpu.as_ref(), parts, DeviceBuffer::of_gpu),
         }
@@ -261,7 +304,7 @@ impl Devices {
         let cpu = DeviceInfo {
             name: "cpu".into(),
             kind: "CPU",
-            driver: threads(),
+            driver: format!("{}, {}", threads(), Simd::widest().name()),
             kernels: "native",
             buffer_bytes: isize::MAX as u64,
             unsuitable: None,
@@ -290,13 +333,13 @@ impl Devices {
     fn open_best(&self) -> Device {
         match self.gpus.open_best() {
             Some(gpu) => Device::Gpu(Arc::new(gpu)),
-            None => Device::Cpu(CpuExecutor),
+            None => Device::cpu(),
         }
     }
 
     #[cfg(not(feature = "gpu"))]
     fn open_best(&self) -> Device {
-        Device::Cpu(CpuExecutor)
+        Device::cpu()
     }
 
     #[cfg(feature = "gpu")]

@@ -1,6 +1,7 @@
 //! The table of kernels as data, made from [`raystream_shaders::for_each_kernel!`].
 
 use super::native::{Job, NativeArguments, NativeBinding, part_of, run_all};
+use super::scene_buffers::SceneUses;
 use super::{Launch, SceneBuffers, View};
 use bytemuck::Pod;
 use raystream_shaders::levels::Level;
@@ -85,7 +86,8 @@ macro_rules! kernels {
                 $(views.push($written.raw());)*
                 $(views.push($scattered.raw());)*
                 $(views.push($atomic.raw());)*
-                Launch::new(&table::$name, $parameters, views, 0 $(| $scene.abilities())?)
+                let scene = scene_uses!($($scene)?);
+                Launch::new(&table::$name, $parameters, views, scene)
             }
         )*
 
@@ -119,8 +121,12 @@ macro_rules! kernels {
                             let $parameters: $Parameters = arguments.parameters();
                             let mut views = arguments.views.into_iter();
                             $(
-                                let $scene =
-                                    &scene_view(arguments.abilities, &$parameters, &mut views);
+                                let $scene = &scene_view(
+                                    arguments.abilities,
+                                    &$parameters,
+                                    &mut views,
+                                    arguments.scene,
+                                );
                             )?
                             $(let $read: &[$Read] = slice(views.next());)*
                             $(let $written: &mut [$Written] = slice_mut(views.next());)*
@@ -141,6 +147,16 @@ macro_rules! kernels {
             /// All of them.
             pub static ALL: &[&Kernel] = &[$(&$name),*];
         }
+    };
+}
+
+/// What a launch is told of its scene.
+macro_rules! scene_uses {
+    () => {
+        SceneUses::default()
+    };
+    ($scene:ident) => {
+        $scene.uses()
     };
 }
 
@@ -185,9 +201,11 @@ fn scene_view<'a, F: Abilities>(
     abilities: F,
     parameters: &impl TracingParams,
     views: &mut impl Iterator<Item = NativeBinding<'a>>,
+    scene: SceneUses<'a>,
 ) -> SceneView<'a, F> {
     let (geometry, surfaces) = (slice(views.next()), slice(views.next()));
     SceneView::new(abilities, &parameters.scene(), geometry, surfaces, slice(views.next()))
+        .with_wide(scene.wide)
 }
 
 fn slice<T: Pod>(view: Option<NativeBinding<'_>>) -> &[T] {

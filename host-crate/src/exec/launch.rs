@@ -1,6 +1,7 @@
 //! Launches: a kernel, its parameters, and the parts of buffers that it works on.
 
 use super::kernels::Kernel;
+use super::scene_buffers::SceneUses;
 use bytemuck::Pod;
 use std::marker::PhantomData;
 
@@ -42,22 +43,22 @@ pub struct Launch<'a, B> {
     pub(super) kernel: &'static Kernel,
     pub(super) parameters: Vec<u8>,
     pub(super) views: Vec<RawView<'a, B>>,
-    pub(super) abilities: u32,
+    pub(super) scene: SceneUses<'a>,
 }
 
 impl<'a, B> Launch<'a, B> {
     /// The run of `kernel` with its `parameters` and, in the order of the table, its other
-    /// bindings, on a scene that uses `abilities`; 0 without one.
+    /// bindings, on a `scene` if there is one.
     ///
     /// Every parameter block begins with the number of threads, as u32.
     pub(super) fn new(
         kernel: &'static Kernel,
         parameters: &impl bytemuck::NoUninit,
         views: Vec<RawView<'a, B>>,
-        abilities: u32,
+        scene: SceneUses<'a>,
     ) -> Self {
         debug_assert_eq!(views.len() + 1, kernel.bindings.len(), "bindings of {}", kernel.name);
-        Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views, abilities }
+        Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views, scene }
     }
 
     /// The same run, with each buffer replaced by what `buffer` makes of it.
@@ -71,7 +72,7 @@ impl<'a, B> Launch<'a, B> {
             kernel: self.kernel,
             parameters: self.parameters.clone(),
             views: views.collect(),
-            abilities: self.abilities,
+            scene: self.scene,
         }
     }
 

@@ -16,6 +16,7 @@ mod launch;
 mod native;
 mod scene_buffers;
 
+use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::time::Duration;
 
 pub use array::Array;
@@ -54,6 +55,11 @@ pub trait Executor {
     /// Makes kernels ready for scenes with these
     /// [`abilities`](raystream_shaders::scene::abilities), so that no launch waits for a compiler.
     fn prepare(&self, abilities: u32) -> Result<(), ExecError>;
+
+    /// The instructions by which it traverses scenes, if it does so in another way than GPUs.
+    fn simd(&self) -> Option<Simd> {
+        None
+    }
 
     /// A new buffer of `bytes` (at least 1), zeroed. `label` names it in errors.
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError>;
@@ -99,6 +105,10 @@ impl<E: Executor> Executor for &E {
 
     fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
         (**self).prepare(abilities)
+    }
+
+    fn simd(&self) -> Option<Simd> {
+        (**self).simd()
     }
 
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError> {

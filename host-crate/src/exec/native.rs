@@ -1,5 +1,6 @@
 //! What a kernel's native function is given, and how it shares its lanes out among threads.
 
+use super::scene_buffers::SceneUses;
 use bytemuck::{AnyBitPattern, Pod};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU32;
@@ -10,6 +11,8 @@ pub struct NativeArguments<'a, F> {
     pub parameters: &'a [u8],
     /// The other bindings, in the order of the table.
     pub views: Vec<NativeBinding<'a>>,
+    /// The scene, if it works on one.
+    pub scene: SceneUses<'a>,
     /// What the scene uses: the word, or what is compiled for it.
     pub abilities: F,
 }
@@ -17,7 +20,8 @@ pub struct NativeArguments<'a, F> {
 impl<'a, F> NativeArguments<'a, F> {
     /// These, for code that is compiled for `abilities`.
     pub fn with_abilities<G>(self, abilities: G) -> NativeArguments<'a, G> {
-        NativeArguments { parameters: self.parameters, views: self.views, abilities }
+        let Self { parameters, views, scene, .. } = self;
+        NativeArguments { parameters, views, scene, abilities }
     }
 
     /// The parameter block as the struct that it holds.

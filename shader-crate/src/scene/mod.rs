@@ -150,6 +150,13 @@ impl<'a, A: Abilities> SceneView<'a, A> {
         }
     }
 
+    /// The same scene, whose rays go through another hierarchy, if there is one.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn with_wide(self, wide: Option<&'a bvh::wide::WideBvh>) -> Self {
+        let bvh = self.bvh.with_wide(wide);
+        Self { bvh, surfaces: SurfaceView { bvh, ..self.surfaces }, ..self }
+    }
+
     /// The nearest surface that `ray` hits in `0 < t < ray.t_max`, holes left out; of several the
     /// first in the scene. Boundaries of bodies are surfaces like any.
     #[inline(always)]

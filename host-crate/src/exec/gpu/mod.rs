@@ -107,7 +107,7 @@ impl GpuExecutor {
         parts: &[&[Launch<'_, wgpu::Buffer>]],
     ) -> Result<Vec<Arc<Pipeline>>, ExecError> {
         let launches = parts.iter().copied().flatten();
-        launches.map(|launch| self.pipeline(launch.kernel, launch.abilities)).collect()
+        launches.map(|launch| self.pipeline(launch.kernel, launch.scene.abilities)).collect()
     }
 
     /// The size of the launch's grid in workgroups: rows of at most as many as the device allows.

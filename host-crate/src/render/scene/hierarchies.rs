@@ -1,6 +1,7 @@
 //! The hierarchy of a scene and those of its shapes, one behind the other, and the instances
 //! between them; see [`raystream_shaders::scene::bvh::instance`].
 
+use super::bvh::wide::{Binary, Content};
 use super::bvh::{self, Bvh, BvhQuality};
 use super::emission_maps::MappedEmission;
 use super::geometry::{Geometry, Placed, Shape};
@@ -9,6 +10,7 @@ use crate::scene::InvalidScene;
 use crate::scene::instance::norm;
 use glam::{DAffine3, DVec3, UVec4, Vec3A};
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use rayon::prelude::*;
 use raystream_shaders::math::UNIT_ROUNDOFF;
 use raystream_shaders::memory::rows::row;
@@ -28,13 +30,23 @@ pub struct Hierarchies {
     pub instances: u32,
     /// The box around the scene.
     pub bounds: Aabb,
+    /// What the CPU's hierarchies are made from.
+    pub source: WideSource,
+}
+
+/// What the CPU's hierarchies are made from, beside the triangles' planes.
+pub struct WideSource {
+    /// The scene's own, and those of shapes.
+    pub hierarchies: Vec<Binary>,
+    /// Of each instance the number of its shape's among them.
+    pub shapes: Vec<u32>,
 }
 
 /// A hierarchy among the others.
 struct Level {
-    bvh: Bvh,
     first_node: u32,
     first_entry: u32,
+    entries: u32,
 }
 
 impl Hierarchies {
@@ -57,13 +69,15 @@ impl Hierarchies {
         let world = &from.world.triangles;
         let bvh = bvh::build(world, &boxes, quality);
         let bounds = bvh.bounds;
+        let mut source = WideSource { hierarchies: Vec::new(), shapes: Vec::new() };
 
-        let mut geometry = bvh.nodes;
         let mut planes = triangles::planes(world, &bvh.order);
         let mut shading = triangles::shading(world, mapped, &bvh.order);
         let number = |&index: &u32| world.get(index as usize).map_or(0, |found| found.number);
         let mut order: Vec<u32> = bvh.order.iter().map(number).collect();
         let world_entries = order.len() as u32;
+        source.hierarchies.push(binary(bvh.binary, &bvh.order, 0, world.len()));
+        let mut geometry = bvh.nodes;
         let mut levels = Vec::with_capacity(shapes.len());
         for (shape, bvh) in from.shapes.iter().zip(shapes) {
             let own = &shape.own.triangles;
@@ -73,14 +87,39 @@ impl Hierarchies {
             planes.extend(triangles::planes(own, &bvh.order));
             shading.extend(triangles::shading(own, &[], &bvh.order));
             order.extend(bvh.order.iter().map(|&index| own[index as usize].number));
-            levels.push(Level { bvh, first_node, first_entry });
+            levels.push(Level { first_node, first_entry, entries: bvh.order.len() as u32 });
+            source.hierarchies.push(binary(bvh.binary, &bvh.order, first_entry, own.len()));
         }
+        source.shapes = from.placed.iter().map(|placed| placed.shape as u32 + 1).collect();
         params.first_planes = append(&mut geometry, &planes);
         params.first_order = append(&mut geometry, &rows_of(&order));
         let (table, numbers) = table(&from.placed, &placements, &levels, world_entries)?;
         params.first_instance = append(&mut geometry, &table);
-        Ok(Self { geometry, shading, numbers, instances: placements.len() as u32, bounds })
+        let instances = placements.len() as u32;
+        Ok(Self { geometry, shading, numbers, instances, bounds, source })
     }
+}
+
+/// What the CPU's form of a hierarchy is made from: its tree, and the index of what each piece is
+/// of, first that of one of its `triangles` and behind these that of an instance. Its leaf entries,
+/// which have these indices, begin with number `first_entry`.
+fn binary(
+    (tree, pieces): (Bvh2, Vec<u32>),
+    order: &[u32],
+    first_entry: u32,
+    triangles: usize,
+) -> Binary {
+    let mut entries = vec![0; triangles];
+    for (place, &index) in order.iter().enumerate().rev() {
+        if let Some(first) = entries.get_mut(index as usize) {
+            *first = first_entry + place as u32;
+        }
+    }
+    let content = |index: u32| match entries.get(index as usize) {
+        Some(&entry) => Content::Triangle(entry),
+        None => Content::Instance(index - triangles as u32),
+    };
+    Binary { tree, contents: pieces.into_iter().map(content).collect() }
 }
 
 /// The nodes of a hierarchy that begins at this node and this leaf entry.
@@ -102,13 +141,13 @@ fn table(
     let mut rows = vec![UVec4::new(placed.len() as u32, world_entries, width.to_bits(), 0)];
     let mut numbers = u64::from(world_entries);
     for (Placed { shape, first_in_scene, .. }, placement) in placed.iter().zip(placements) {
-        let Level { bvh, first_node, first_entry } = &levels[*shape];
+        let Level { first_node, first_entry, entries } = &levels[*shape];
         let span = UVec4::new(*first_node, numbers as u32, *first_entry, *first_in_scene);
         rows.extend(placement.inward);
         rows.push(span);
         rows.extend(placement.outward);
         rows.push(placement.measures);
-        numbers += bvh.order.len() as u64;
+        numbers += u64::from(*entries);
         if numbers >= u64::from(NO_TRIANGLE) {
             let what = format!(
                 "have, with the parts that large triangles are split into, more than {NO_TRIANGLE} \

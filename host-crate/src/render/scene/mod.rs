@@ -15,6 +15,7 @@ mod media;
 mod scene_triangle;
 mod textures;
 mod triangles;
+mod wide_forms;
 
 use self::bump_maps::NormalMaps;
 use self::bvh::BvhQuality;
@@ -25,6 +26,7 @@ use self::lights::{Emitters, Lights};
 use self::materials::Tables;
 use self::media::PackedMedia;
 use self::textures::Textures;
+use self::wide_forms::WideForms;
 use super::error::RenderError;
 use crate::exec::{ExecError, Executor, SceneBuffers};
 use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene, Texture};
@@ -71,6 +73,8 @@ pub struct PreparedScene {
     pub camera: Camera,
     /// How long paths may be, by the scene.
     pub limits: PathLimits,
+    /// The hierarchies in the forms that CPUs traverse.
+    wide: WideForms,
 }
 
 impl PreparedScene {
@@ -90,7 +94,7 @@ impl PreparedScene {
         let Textures { words: mut texels, places } = textures;
         let materials = materials::table(scene, &places);
         let mut params = SceneParams { background: scene.background, ..SceneParams::zeroed() };
-        let Hierarchies { geometry, shading: mut surfaces, numbers, instances, bounds } =
+        let Hierarchies { geometry, shading: mut surfaces, numbers, instances, bounds, source } =
             Hierarchies::build(&from, &mapped, quality, &mut params)?;
         let environment = scene.environment.as_ref().and_then(PackedEnvironment::new);
         let corners = triangles.iter().flat_map(|triangle| triangle.corners);
@@ -129,6 +133,7 @@ impl PreparedScene {
             uneven_bumps: normals.uneven,
             camera: scene.camera,
             limits: scene.limits,
+            wide: WideForms::of(source),
         };
         if instances > 0 {
             prepared.abilities |= INSTANCES;
@@ -185,7 +190,12 @@ impl PreparedScene {
         abilities: u32,
     ) -> Result<SceneBuffers<E::Buffer>, ExecError> {
         let abilities = self.abilities | abilities;
+        let wide = executor.simd().and_then(|simd| {
+            let planes = self.params.first_planes as usize..self.params.first_order as usize;
+            self.wide.form(simd, &self.geometry[planes])
+        });
         SceneBuffers::new(executor, abilities, &self.geometry, &self.surfaces, &self.texels)
+            .map(|buffers| buffers.with_wide(wide))
     }
 
     /// Copies it to a device, for kernels that know of no settings.

@@ -140,6 +140,13 @@ impl InstanceView<'_> {
         Span { root: row.x, first: row.y, first_entry: row.z, first_in_scene: row.w }
     }
 
+    /// What is added to the number of one of its shape's leaf entries to make that of a hit.
+    #[inline(always)]
+    pub fn shift(&self, index: u32) -> u32 {
+        let Span { first, first_entry, .. } = self.span(index);
+        first.wrapping_sub(first_entry)
+    }
+
     /// The factor and the spread of [`Clearance`](crate::scene::ray::Clearance), how many times as
     /// long vectors become in the space of the shape at most, and whether left becomes right.
     #[inline(always)]

@@ -19,6 +19,8 @@
 pub mod instance;
 pub mod node;
 pub mod planes;
+#[cfg(not(target_arch = "spirv"))]
+pub mod wide;
 mod work;
 
 use crate::glam::{UVec2, UVec4, Vec3};
@@ -26,7 +28,7 @@ use crate::memory::access::{at, scratch};
 use crate::memory::rows::{three_rows, word};
 use crate::scene::abilities::{Abilities, INSTANCES};
 use crate::scene::ray::{Hit, NO_TRIANGLE, Ray};
-use instance::{InstanceView, NO_INSTANCE, Place, Span, instance_of_leaf};
+use instance::{InstanceView, NO_INSTANCE, Place, instance_of_leaf};
 use node::{BoxRay, Node, RAY_WIDTH};
 use planes::{Plane, Planes};
 use work::{Space, Stack, Work, holds_instance, push, take_two, top};
@@ -60,6 +62,9 @@ pub struct BvhView<'a, A> {
     first_order: u32,
     instances: InstanceView<'a>,
     abilities: A,
+    /// The hierarchy that takes the place of this one.
+    #[cfg(not(target_arch = "spirv"))]
+    wide: Option<&'a wide::WideBvh>,
 }
 
 impl<'a, A: Abilities> BvhView<'a, A> {
@@ -73,12 +78,36 @@ impl<'a, A: Abilities> BvhView<'a, A> {
         [first_planes, first_order, first_instance]: [u32; 3],
     ) -> Self {
         let instances = InstanceView { rows, first: first_instance };
-        Self { rows, first_planes, first_order, instances, abilities }
+        Self {
+            rows,
+            first_planes,
+            first_order,
+            instances,
+            abilities,
+            #[cfg(not(target_arch = "spirv"))]
+            wide: None,
+        }
+    }
+
+    /// The same, which traverses another hierarchy of the same triangles, if there is one.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn with_wide(self, wide: Option<&'a wide::WideBvh>) -> Self {
+        Self { wide, ..self }
     }
 
     /// The triangle that `ray` hits in `0 < t < ray.t_max`, by the `order`: the nearest, of several
     /// the first in the scene, unless any will do; behind `passed`, one of its hits, if that is
     /// asked for.
+    #[inline(always)]
+    pub fn traverse(&self, ray: &Ray, passed: &Hit, order: Order) -> Hit {
+        #[cfg(not(target_arch = "spirv"))]
+        if let Some(wide) = self.wide {
+            return wide.traverse(self, ray, passed, order);
+        }
+        self.traverse_compressed(ray, passed, order)
+    }
+
+    /// [`Self::traverse`] of the hierarchy that both devices have.
     ///
     /// In turns: a ray that has triangles to test tests two of them, one that has none visits a
     /// node first.
@@ -88,7 +117,7 @@ impl<'a, A: Abilities> BvhView<'a, A> {
     /// 12 nodes and 6.5 triangles each, would take 20 turns with 106 tests, one lane in sixteen at
     /// work; by two a turn they take 26 turns with 47.
     #[inline(always)]
-    pub fn traverse(&self, ray: &Ray, passed: &Hit, order: Order) -> Hit {
+    fn traverse_compressed(&self, ray: &Ray, passed: &Hit, order: Order) -> Hit {
         let mut space = self.world(ray);
         let mut hit = Hit::miss(ray.t_max);
         let (mut stack, mut stack_inside): (Stack, Stack) = (scratch(), scratch());
@@ -151,10 +180,14 @@ impl<'a, A: Abilities> BvhView<'a, A> {
     /// Outside of all instances.
     #[inline(always)]
     fn world(&self, ray: &Ray) -> Space {
-        let width =
-            if self.abilities.has(INSTANCES) { self.instances.ray_width() } else { RAY_WIDTH };
-        let (box_ray, outside) = (BoxRay::new(ray, width), Work::NOTHING);
+        let (box_ray, outside) = (BoxRay::new(ray, self.world_width()), Work::NOTHING);
         Space { ray: *ray, box_ray, root: 0, shift: 0, is_inside: false, outside }
+    }
+
+    /// By how many roundings a ray is wide there.
+    #[inline(always)]
+    fn world_width(&self) -> f32 {
+        if self.abilities.has(INSTANCES) { self.instances.ray_width() } else { RAY_WIDTH }
     }
 
     /// In the instance that one of two leaf entries is, from where `ray` goes back to what it has
@@ -169,8 +202,8 @@ impl<'a, A: Abilities> BvhView<'a, A> {
             outside.triangles |= 1 << (second - left.first_triangle);
         }
         let ray = self.instances.ray(index, ray);
-        let Span { root, first, first_entry, .. } = self.instances.span(index);
-        let (box_ray, shift) = (BoxRay::new(&ray, RAY_WIDTH), first.wrapping_sub(first_entry));
+        let (root, shift) = (self.instances.span(index).root, self.instances.shift(index));
+        let box_ray = BoxRay::new(&ray, RAY_WIDTH);
         Space { ray, box_ray, root, shift, is_inside: true, outside }
     }
 
@@ -188,12 +221,20 @@ impl<'a, A: Abilities> BvhView<'a, A> {
         hit: &mut Hit,
     ) {
         let (t, u, v) = planes.intersect(ray.origin, ray.direction);
+        self.consider(Hit { t, u, v, triangle: index }, passed, order, hit);
+    }
+
+    /// [`Self::test`] of a triangle that meets the ray there; in front of it if `t > 0`.
+    #[inline(always)]
+    fn consider(&self, candidate: Hit, passed: &Hit, order: Order, hit: &mut Hit) {
+        let Hit { t, triangle, .. } = candidate;
         let is_nearer = t > 0.0 && t < hit.t;
-        let is_hit = is_nearer || !order.any && t == hit.t && self.precedes(index, hit.triangle);
-        let is_behind =
-            !order.behind || t > passed.t || t == passed.t && self.follows(index, passed.triangle);
+        let is_hit = is_nearer || !order.any && t == hit.t && self.precedes(triangle, hit.triangle);
+        let is_behind = !order.behind
+            || t > passed.t
+            || t == passed.t && self.follows(triangle, passed.triangle);
         if is_hit && is_behind {
-            *hit = Hit { t, u, v, triangle: index };
+            *hit = candidate;
         }
     }
 

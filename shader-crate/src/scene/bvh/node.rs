@@ -104,10 +104,12 @@ impl Node {
 /// the host), what is relative to `o` is the width of the ray. Both are 32 u.
 #[derive(Clone, Copy)]
 pub struct BoxRay {
-    origin: Vec3,
-    inverse_direction: Vec3,
+    /// Where it starts, in world units.
+    pub origin: Vec3,
+    /// One over each component of its direction, finite and not zero.
+    pub inverse_direction: Vec3,
     /// Half of its width, in world units.
-    width: f32,
+    pub width: f32,
     /// The place of child slot k in this ray's order is `k ^ octant`: bits 2, 1, 0 are set where x,
     /// y, z grow along the ray.
     pub octant: u32,

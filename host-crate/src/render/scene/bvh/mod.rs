@@ -6,11 +6,13 @@
 //!
 //! - `pieces` are the boxes of triangles, or of parts of large ones, widened;
 //! - `tree` makes a binary tree of them that is never deep;
-//! - `grid` rounds the boxes of its wide form outwards.
+//! - `grid` rounds the boxes of its wide form outwards, which all devices have;
+//! - [`wide`] makes the form of it that the CPU traverses.
 
 mod grid;
 mod pieces;
 mod tree;
+pub mod wide;
 
 use self::pieces::Pieces;
 use super::scene_triangle::SceneTriangle;
@@ -18,6 +20,7 @@ use crate::names::named;
 use glam::{UVec4, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use raystream_shaders::scene::bvh::MAX_DEPTH;
@@ -49,6 +52,9 @@ pub struct Bvh {
     pub order: Vec<u32>,
     /// The box around all; around the origin where there is nothing.
     pub bounds: Aabb,
+    /// The binary tree that it was made from, and the index of what each of its pieces is of, as
+    /// in `order`.
+    pub binary: (Bvh2, Vec<u32>),
 }
 
 /// Triangles in a leaf, at most: what a node's meta byte can say.
@@ -63,7 +69,8 @@ pub fn build(triangles: &[SceneTriangle], boxes: &[Aabb], quality: BvhQuality) -
     if triangles.is_empty() && boxes.is_empty() {
         // A root whose slots are all empty.
         let nodes = vec![UVec4::ZERO; Node::ROWS as usize];
-        return Bvh { nodes, order: Vec::new(), bounds: Aabb::new(Vec3A::ZERO, Vec3A::ZERO) };
+        let bounds = Aabb::new(Vec3A::ZERO, Vec3A::ZERO);
+        return Bvh { nodes, order: Vec::new(), bounds, binary: Default::default() };
     }
     let parameters = match quality {
         BvhQuality::Fast => BvhBuildParams::very_fast_build(),
@@ -72,9 +79,9 @@ pub fn build(triangles: &[SceneTriangle], boxes: &[Aabb], quality: BvhQuality) -
     let mut pieces = Pieces::of(triangles, parameters.pre_split);
     pieces.add(boxes, triangles.len() as u32);
     let tree = tree::build(&pieces.boxes, parameters);
-    let mut bvh = CwBvh::default();
+    let (mut bvh, mut bounded) = Default::default();
     for depth in DEPTHS {
-        let bounded = tree::bound_depth(&tree, &pieces.boxes, depth);
+        bounded = tree::bound_depth(&tree, &pieces.boxes, depth);
         let per_leaf = parameters.max_prims_per_leaf.clamp(1, TRIANGLES_PER_LEAF);
         bvh = bvh2_to_cwbvh(&bounded, per_leaf, true, false);
         if self::depth(&bvh) <= MAX_DEPTH {
@@ -84,7 +91,12 @@ pub fn build(triangles: &[SceneTriangle], boxes: &[Aabb], quality: BvhQuality) -
     grid::round_outwards(&mut bvh, &pieces.boxes);
     let order = bvh.primitive_indices.iter().map(|&piece| pieces.triangles[piece as usize]);
     let bounds = pieces.boxes.iter().fold(Aabb::empty(), |all, piece| all.union(piece));
-    Bvh { order: order.collect(), nodes: bytemuck::pod_collect_to_vec(&bvh.nodes), bounds }
+    Bvh {
+        order: order.collect(),
+        nodes: bytemuck::pod_collect_to_vec(&bvh.nodes),
+        bounds,
+        binary: (bounded, pieces.triangles),
+    }
 }
 
 /// Nodes on the longest path from the root.
@@ -104,8 +116,10 @@ fn depth(bvh: &CwBvh) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::wide::{Binary, Content, collapse};
     use super::*;
     use glam::Vec3;
+    use raystream_shaders::scene::bvh::wide::{Child, MAX_BESIDE, Tree};
     use raystream_shaders::scene::triangle::NO_ATTRIBUTES;
 
     /// The two halves of a quad.
@@ -113,6 +127,48 @@ mod tests {
         [[corner, corner + u, corner + u + v], [corner, corner + u + v, corner + v]].map(
             |corners| SceneTriangle { corners, material: 0, attributes: NO_ATTRIBUTES, number: 0 },
         )
+    }
+
+    /// Asserts that the wide form has all triangles in leaves, each within all boxes above it, and
+    /// asks no more of a stack than there is.
+    fn assert_wide_form<const N: usize>(
+        triangles: &[SceneTriangle],
+        bvh: &Bvh,
+        tree: Bvh2,
+        what: &str,
+    ) {
+        let contents = bvh.binary.1.iter().map(|&piece| Content::Triangle(piece)).collect();
+        let order: Vec<u32> = (0..triangles.len() as u32).collect();
+        let planes = super::super::triangles::planes(triangles, &order);
+        let wide: Tree<N> = collapse(&[Binary { tree, contents }], &planes, &[]).expect(what);
+        let mut found = vec![Vec::new(); triangles.len()];
+        let everywhere = Aabb::new(Vec3A::NEG_INFINITY, Vec3A::INFINITY);
+        let mut pending = vec![(0_u32, everywhere, 0)];
+        while let Some((word, around, beside)) = pending.pop() {
+            assert!(beside <= MAX_BESIDE, "{what}: {beside}");
+            if let Some(leaf) = word.checked_sub(Child::Leaf(0).word()) {
+                let leaf = &wide.leaves[leaf as usize];
+                let entries = leaf.entries.iter().zip(leaf.planes[0]);
+                let entries = entries.filter(|(_, number)| !number.is_nan());
+                entries.for_each(|(&entry, _)| found[entry as usize].push(around));
+                continue;
+            }
+            let node = &wide.nodes[word as usize];
+            let is_child = |&place: &usize| node.planes[0][place] <= node.planes[1][place];
+            let children: Vec<usize> = (0..N).filter(is_child).collect();
+            for &place in &children {
+                let corner =
+                    |side: usize| Vec3A::from([0, 2, 4].map(|r| node.planes[r + side][place]));
+                let bounds = around.intersection(&Aabb::new(corner(0), corner(1)));
+                pending.push((node.children[place], bounds, beside + children.len() - 1));
+            }
+        }
+        for (triangle, boxes) in triangles.iter().zip(&found) {
+            let corners = triangle.corners.map(Vec3A::from);
+            // Those of pieces together have it all; of a whole one each of its corners.
+            let is_covered = |corner: &Vec3A| boxes.iter().any(|it| it.contains_point(*corner));
+            assert!(corners.iter().all(is_covered), "{what}: {corners:?}");
+        }
     }
 
     fn assert_traversable(triangles: &[SceneTriangle], what: &str) {
@@ -125,6 +181,12 @@ mod tests {
             found.sort_unstable();
             found.dedup();
             assert_eq!(found.len(), triangles.len(), "{what}: triangles in leaves");
+            // As it is, and halved as a tree is that would be too deep.
+            let again = |depth| tree::bounded_again(&bvh.binary.0, depth);
+            for depth in [u32::MAX, MAX_DEPTH] {
+                assert_wide_form::<8>(triangles, &bvh, again(depth), what);
+                assert_wide_form::<16>(triangles, &bvh, again(depth), what);
+            }
         }
     }
 

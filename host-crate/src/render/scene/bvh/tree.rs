@@ -119,6 +119,18 @@ pub fn bound_depth(tree: &Tree, boxes: &[Aabb], depth: u32) -> Bvh2 {
     Bvh2 { nodes: bounded.nodes, primitive_indices: bounded.pieces, ..Bvh2::default() }
 }
 
+/// A tree with a leaf for each piece, no deeper than `depth`, of one that may be.
+pub fn bounded_again(deep: &Bvh2, depth: u32) -> Bvh2 {
+    let mut boxes = vec![Aabb::empty(); deep.primitive_indices.len()];
+    let mut nodes = deep.nodes.clone();
+    for node in nodes.iter_mut().filter(|node| node.is_leaf()) {
+        node.first_index = deep.primitive_indices[node.first_index as usize];
+        boxes[node.first_index as usize] = *node.aabb();
+    }
+    let groups = (0..boxes.len() as u32).map(|piece| vec![piece]).collect();
+    bound_depth(&Tree { nodes, groups }, &boxes, depth)
+}
+
 /// What is below a node.
 #[derive(Clone, Copy, Default)]
 struct Size {

@@ -1,0 +1,51 @@
+//! Contributions on the CPU are the same, bit for bit, by all its instructions.
+
+use super::tracing::{Case, cases};
+use raystream::render::Settings;
+use raystream::scene::load;
+use raystream_shaders::film::Contribution;
+use raystream_tests::{cpus, large_scenes, render_on, scenes, settings};
+
+fn assert_contributions_are_the_same(case: &Case) {
+    let bytes = |found: &[Contribution]| bytemuck::cast_slice::<_, u8>(found).to_vec();
+    let devices = cpus();
+    let expected = case.megakernel(&devices[0], case.all());
+    assert!(expected.iter().any(|contribution| contribution.radiance.max_element() > 0.0));
+    for device in &devices[1..] {
+        let found = case.megakernel(device, case.all());
+        let others = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
+        assert_eq!(others, 0, "{}: {} of {}", case.name, device.description(), found.len());
+        assert!(bytes(&found) == bytes(&expected), "{}: {}", case.name, device.description());
+    }
+}
+
+#[test]
+fn contributions_are_the_same_by_all_instructions() {
+    for case in cases(6000) {
+        assert_contributions_are_the_same(&case);
+    }
+}
+
+#[test]
+fn contributions_of_large_scenes_are_the_same_by_all_instructions() {
+    let Some(folder) = large_scenes() else { return };
+    for name in ["sibenik", "conference"] {
+        let mut scene = load(&folder.join(name).join(name).with_extension("json")).unwrap();
+        (scene.film.width, scene.film.height) = (80, 60);
+        assert_contributions_are_the_same(&Case::new(name, scene, 4 * 80 * 60));
+    }
+}
+
+/// Rays of light's own paths, and of those that end at all vertices of a cache.
+#[test]
+fn light_vertex_caches_are_the_same_by_all_instructions() {
+    let scene = scenes::room(scenes::mirror(0.9), 1.0);
+    let settings = Settings { integrator: "lvc".parse().unwrap(), ..settings(&scene) };
+    let prepared = raystream_tests::prepare(&scene);
+    let film = |device| render_on(device, &prepared, &settings, 4).radiance;
+    let devices = cpus();
+    let expected = film(&devices[0]);
+    for device in &devices[1..] {
+        assert!(film(device) == expected, "{}", device.description());
+    }
+}
