@@ -10,7 +10,8 @@
 //! All but the pixel itself is behind the ability
 //! [`PIXEL_FILTERS`](crate::scene::abilities::PIXEL_FILTERS).
 
-use core::f32::consts::{PI, TAU};
+use crate::math::angles::sin_cos_of_turns;
+use core::f32::consts::TAU;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -66,8 +67,8 @@ impl PixelFilter {
         } else if self.kind == GAUSSIAN {
             let deviations = (-2.0 * (1.0 - u[0] * (1.0 - BEYOND)).ln()).max(0.0).sqrt();
             let distance = deviations * (radius * (1.0 / DEVIATIONS));
-            let angle = TAU * u[1];
-            [distance * angle.cos(), distance * angle.sin()]
+            let (sine, cosine) = sin_cos_of_turns(u[1]);
+            [distance * cosine, distance * sine]
         } else if self.kind == BLACKMAN_HARRIS {
             [radius * window_place(u[0]), radius * window_place(u[1])]
         } else {
@@ -143,7 +144,7 @@ fn tent_place(u: f32) -> f32 {
 
 /// Blackman and Harris's window over (-1, 1), of integral 1.
 fn window(x: f32) -> f32 {
-    let cosine = (PI * x).cos();
+    let (_, cosine) = sin_cos_of_turns(0.5 * x);
     let twice = 2.0 * cosine * cosine - 1.0;
     let thrice = cosine * (2.0 * twice - 1.0);
     let sum = TERMS[0] + TERMS[1] * cosine + TERMS[2] * twice + TERMS[3] * thrice;
@@ -152,7 +153,7 @@ fn window(x: f32) -> f32 {
 
 /// What of it lies below `x`.
 fn window_below(x: f32) -> f32 {
-    let (sine, cosine) = ((PI * x).sin(), (PI * x).cos());
+    let (sine, cosine) = sin_cos_of_turns(0.5 * x);
     let twice = 2.0 * sine * cosine;
     let thrice = sine * (4.0 * cosine * cosine - 1.0);
     let sum = TERMS[1] * sine + TERMS[2] * 0.5 * twice + TERMS[3] * (1.0 / 3.0) * thrice;

@@ -1,11 +1,13 @@
 //! The few functions that `glam` and `core` do not have.
 
+pub mod angles;
 pub mod fixed;
 pub mod packed;
 pub mod random;
 pub mod wide;
 
 use crate::glam::Vec3;
+use angles::sin_cos_within_eighth;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -44,8 +46,8 @@ pub fn concentric_disc(u: [f32; 2]) -> (f32, f32) {
     } else {
         x / y
     };
-    let angle = core::f32::consts::FRAC_PI_4 * ratio;
-    let (near, far) = (radius * angle.cos(), radius * angle.sin());
+    let (sine, cosine) = sin_cos_within_eighth(core::f32::consts::FRAC_PI_4 * ratio);
+    let (near, far) = (radius * cosine, radius * sine);
     if horizontal { (near, far) } else { (far, near) }
 }
 

@@ -18,6 +18,7 @@ use crate::estimator::{CONVERGED, ErrorForm, Estimate};
 use crate::film::sums::PixelSums;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::{Vec2, Vec3};
+use crate::math::angles::sin_cos_of_turns;
 use crate::memory::access::at;
 use crate::memory::device_struct;
 #[cfg(target_arch = "spirv")]
@@ -97,8 +98,8 @@ fn occluders_of(params: &AxisParams, guides: &[Guide], rank: u32) -> Occluders {
     let (mut nearest, mut farthest) = (FAR, 0.0_f32);
     let mut spoke = 0;
     while spoke < SPOKES {
-        let angle = spoke as f32 * (core::f32::consts::TAU / SPOKES as f32);
-        let direction = Vec2::new(angle.cos(), angle.sin());
+        let (sine, cosine) = sin_cos_of_turns(spoke as f32 * (1.0 / SPOKES as f32));
+        let direction = Vec2::new(cosine, sine);
         let (mut reach, mut place) = (2.0, 0);
         while place < PLACES {
             let column = (x as f32 + 0.5 + direction.x * reach).floor();

@@ -11,11 +11,12 @@
 //! | [`PANORAMA`] | from a point; columns are meridians, rows are circles of latitude |
 
 use crate::glam::Vec3;
+use crate::math::angles::sin_cos_of_turns;
 use crate::math::concentric_disc;
 use crate::memory::device_struct;
 use crate::scene::abilities::{Abilities, CAMERAS};
 use crate::scene::ray::Ray;
-use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use core::f32::consts::{PI, TAU};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -121,14 +122,11 @@ impl Camera {
     }
 
     fn panorama_direction(&self, x: f32, y: f32) -> Vec3 {
-        let (around, down) = self.panorama_angles(x, y);
-        let level = self.top_left * around.cos() + self.right * around.sin();
-        (level * down.sin() - self.down * down.cos()).normalize()
-    }
-
-    /// The angle to the right of the middle and that from the upper pole.
-    fn panorama_angles(&self, x: f32, y: f32) -> (f32, f32) {
-        (TAU * (x / self.width as f32 - 0.5), PI * (y / self.height as f32))
+        // To the right of the middle, and from the upper pole.
+        let around = sin_cos_of_turns(x / self.width as f32 - 0.5);
+        let down = sin_cos_of_turns(0.5 * (y / self.height as f32));
+        let level = self.top_left * around.1 + self.right * around.0;
+        (level * down.0 - self.down * down.1).normalize()
     }
 
     /// From the middle of the lens to a uniform point on it.
@@ -250,10 +248,10 @@ impl Camera {
 fn regular_polygon(corners: u32, u: [f32; 2]) -> (f32, f32) {
     let scaled = u[0] * corners as f32;
     let side = scaled.floor().min(corners as f32 - 1.0);
-    let step = TAU / corners as f32;
-    let (from, to) = (side * step - FRAC_PI_2, (side + 1.0) * step - FRAC_PI_2);
+    let corner = |number: f32| sin_cos_of_turns(number / corners as f32 - 0.25);
+    let (from, to) = (corner(side), corner(side + 1.0));
     // A triangle between the middle and a side.
     let outwards = (scaled - side).max(0.0).sqrt();
     let (a, b) = (outwards * (1.0 - u[1]), outwards * u[1]);
-    (a * from.cos() + b * to.cos(), a * from.sin() + b * to.sin())
+    (a * from.1 + b * to.1, a * from.0 + b * to.0)
 }

@@ -21,6 +21,7 @@
 //! A sum is that of all before, in units of 2^-31 of the whole.
 
 use crate::glam::Vec3;
+use crate::math::angles::sin_cos_of_turns;
 use crate::math::random::unit_float;
 use crate::math::tangent_frame;
 use crate::memory::access::at;
@@ -162,14 +163,13 @@ impl<'a> EnvironmentView<'a> {
         let row = self.draw(header.distribution + header.rows, header.rows, bits[1]);
         let column = self.draw(header.sums_of_cells(row.index), header.columns, bits[0]);
         let u = (column.index as f32 + column.offset) / header.columns as f32;
-        let step = PI / header.rows as f32;
-        let (top, bottom) =
-            ((row.index as f32 * step).cos(), ((row.index + 1) as f32 * step).cos());
+        let height = |row: u32| sin_cos_of_turns(row as f32 * (0.5 / header.rows as f32)).1;
+        let (top, bottom) = (height(row.index), height(row.index + 1));
         let y = top + (bottom - top) * row.offset;
         let across = (1.0 - y * y).max(0.0).sqrt();
-        let angle = (u - 0.5 - header.rotation) * TAU;
+        let (sine, cosine) = sin_cos_of_turns(u - 0.5 - header.rotation);
         EnvironmentSample {
-            direction: Vec3::new(across * angle.sin(), y, -across * angle.cos()),
+            direction: Vec3::new(across * sine, y, -across * cosine),
             pdf: self.density(&header, row.index, row.share, column.share),
         }
     }
@@ -234,8 +234,8 @@ impl<'a> EnvironmentView<'a> {
     pub fn disc_point(&self, direction: Vec3, u: [f32; 2]) -> Vec3 {
         let header = self.header();
         let (x, y) = tangent_frame(direction);
-        let (distance, angle) = (u[0].sqrt(), TAU * u[1]);
-        let offset = direction + (x * angle.cos() + y * angle.sin()) * distance;
+        let (sine, cosine) = sin_cos_of_turns(u[1]);
+        let offset = direction + (x * cosine + y * sine) * u[0].sqrt();
         header.centre + offset * header.radius
     }
 }

@@ -8,8 +8,9 @@
 
 use super::ggx::Ggx;
 use crate::glam::{UVec4, Vec2, Vec3};
+use crate::math::angles::sin_cos_of_turns;
 use crate::memory::access::at;
-use core::f32::consts::{FRAC_1_PI, TAU};
+use core::f32::consts::FRAC_1_PI;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -75,10 +76,10 @@ impl Anisotropic {
     /// See [`Ggx::sample_visible`].
     pub fn sample_visible(&self, o: Vec3, u: [f32; 2]) -> Vec3 {
         let stretched = Vec3::new(o.x * self.along, o.y * self.across, o.z).normalize();
-        let angle = TAU * u[0];
+        let (sine, cosine) = sin_cos_of_turns(u[0]);
         let z = (1.0 - u[1]) * (1.0 + stretched.z) - stretched.z;
         let radius = (1.0 - z * z).max(0.0).sqrt();
-        let h = Vec3::new(radius * angle.cos(), radius * angle.sin(), z) + stretched;
+        let h = Vec3::new(radius * cosine, radius * sine, z) + stretched;
         Vec3::new(h.x * self.along, h.y * self.across, h.z.max(0.0)).normalize()
     }
 }

@@ -7,7 +7,8 @@
 //! All vectors here are unit vectors in the frame of the surface, whose normal is +z.
 
 use crate::glam::Vec3;
-use core::f32::consts::{FRAC_1_PI, TAU};
+use crate::math::angles::sin_cos_of_turns;
+use core::f32::consts::FRAC_1_PI;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -64,10 +65,10 @@ impl Ggx {
     /// Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", CGF 42(8), 2023.
     pub fn sample_visible(&self, o: Vec3, u: [f32; 2]) -> Vec3 {
         let stretched = Vec3::new(o.x * self.alpha, o.y * self.alpha, o.z).normalize();
-        let angle = TAU * u[0];
+        let (sine, cosine) = sin_cos_of_turns(u[0]);
         let z = (1.0 - u[1]) * (1.0 + stretched.z) - stretched.z;
         let radius = (1.0 - z * z).max(0.0).sqrt();
-        let h = Vec3::new(radius * angle.cos(), radius * angle.sin(), z) + stretched;
+        let h = Vec3::new(radius * cosine, radius * sine, z) + stretched;
         Vec3::new(h.x * self.alpha, h.y * self.alpha, h.z.max(0.0)).normalize()
     }
 }

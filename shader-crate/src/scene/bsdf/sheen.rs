@@ -9,6 +9,7 @@
 //! All vectors are unit vectors in the frame of the surface, whose normal is +z.
 
 use crate::glam::Vec3;
+use crate::math::angles::sin_cos_of_turns;
 use core::f32::consts::{FRAC_1_PI, TAU};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -44,6 +45,6 @@ pub fn value(roughness: f32, o: Vec3, i: Vec3) -> f32 {
 /// A direction, from a uniform point of the unit square.
 pub fn sample(u: [f32; 2]) -> Vec3 {
     let radius = (1.0 - u[1] * u[1]).max(0.0).sqrt();
-    let angle = TAU * u[0];
-    Vec3::new(radius * angle.cos(), radius * angle.sin(), u[1])
+    let (sine, cosine) = sin_cos_of_turns(u[0]);
+    Vec3::new(radius * cosine, radius * sine, u[1])
 }
