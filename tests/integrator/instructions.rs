@@ -1,10 +1,13 @@
-//! Contributions on the CPU are the same, bit for bit, by all its instructions.
+//! Contributions on the CPU are the same, bit for bit, by all its instructions; and which integrator
+//! a device chooses.
 
 use super::tracing::{Case, cases};
-use raystream::render::Settings;
+use raystream::exec::{Array, Executor};
+use raystream::render::integrator::{IntegratorContext, StreamBuffers, create};
+use raystream::render::{PreparedScene, Settings};
 use raystream::scene::load;
 use raystream_shaders::film::Contribution;
-use raystream_tests::{cpus, large_scenes, render_on, scenes, settings};
+use raystream_tests::{cpus, large_scenes, render_on, scenes, settings, with_gpu};
 
 fn assert_contributions_are_the_same(case: &Case) {
     let bytes = |found: &[Contribution]| bytemuck::cast_slice::<_, u8>(found).to_vec();
@@ -48,4 +51,30 @@ fn light_vertex_caches_are_the_same_by_all_instructions() {
     for device in &devices[1..] {
         assert!(film(device) == expected, "{}", device.description());
     }
+}
+
+/// By itself the CPU takes the integrator whose threads share nothing, and a GPU the one that is
+/// made for lanes in step.
+#[test]
+fn devices_choose_their_integrators() {
+    let scene = scenes::room(scenes::mirror(0.9), 1.0);
+    let prepared = raystream_tests::prepare(&scene);
+    for cpu in cpus() {
+        assert_eq!(kernel_of(&cpu, &prepared, &settings(&scene)), "trace_paths");
+    }
+    with_gpu(|gpu| assert_eq!(kernel_of(gpu, &prepared, &settings(&scene)), "regenerate_paths"));
+}
+
+/// The name of the kernel that traces a stream by the integrator of these settings.
+fn kernel_of<E: Executor>(executor: &E, prepared: &PreparedScene, settings: &Settings) -> String {
+    let scene = prepared.buffers(executor).unwrap();
+    let parameters = prepared.parameters(settings);
+    let context = IntegratorContext { executor, scene: &scene, parameters: &parameters, settings };
+    let integrator = create(&context, 64).unwrap();
+    let slots = Array::zeroed(executor, "slots", 64).unwrap();
+    let contributions = Array::zeroed(executor, "contributions", 64).unwrap();
+    let (slots, contributions) = (&slots, &contributions);
+    let stream = StreamBuffers { scene: &scene, parameters: &parameters, slots, contributions };
+    let launches = integrator.trace(&stream, 0..64);
+    launches.last().expect("it traces").kernel().name.to_owned()
 }

@@ -114,7 +114,7 @@ pub fn integrator<E: Executor>(
 ) -> Box<dyn Integrator<E>> {
     match kind {
         IntegratorKind::Lvc => unreachable!("it walks other paths"),
-        IntegratorKind::Megakernel => Box::new(Megakernel),
+        IntegratorKind::Auto | IntegratorKind::Megakernel => Box::new(Megakernel),
         IntegratorKind::Regeneration => Box::new(Regeneration::new(executor).unwrap()),
         IntegratorKind::Compaction => {
             Box::new(Wavefront::of_capacity(executor, ALL, stream, pool, false).unwrap())

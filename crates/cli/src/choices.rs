@@ -92,6 +92,8 @@ choices! {
 
 choices! {
     IntegratorKind {
+        Auto: "regeneration on a GPU and megakernel on the CPU, whichever is faster: the picture is \
+               the same",
         Megakernel: "One thread walks one path to its end",
         Compaction: "All paths advance by a segment at a time; after each, stream compaction \
                      removes those that have ended",

@@ -103,7 +103,7 @@ impl IntegratorsArguments {
             others = IntegratorKind::ALL
                 .iter()
                 .copied()
-                .filter(|&kind| kind != IntegratorKind::Lvc)
+                .filter(|&kind| !matches!(kind, IntegratorKind::Auto | IntegratorKind::Lvc))
                 .collect();
         } else if others.is_empty() {
             others.push(chosen);

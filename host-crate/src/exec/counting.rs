@@ -39,6 +39,10 @@ impl<E: Executor> Executor for Counting<'_, E> {
         self.inner.prepare(abilities)
     }
 
+    fn runs_in_step(&self) -> bool {
+        self.inner.runs_in_step()
+    }
+
     fn simd(&self) -> Option<Simd> {
         self.inner.simd()
     }

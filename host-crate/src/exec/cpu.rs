@@ -35,6 +35,10 @@ impl Executor for CpuExecutor {
         Limits { buffer_bytes: isize::MAX as u64, alignment: 16 }
     }
 
+    fn runs_in_step(&self) -> bool {
+        false
+    }
+
     fn simd(&self) -> Option<Simd> {
         Some(Simd::widest())
     }

@@ -168,6 +168,14 @@ impl Executor for Device {
         }
     }
 
+    fn runs_in_step(&self) -> bool {
+        match self {
+            Self::Cpu(cpu, _) => cpu.runs_in_step(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.runs_in_step(),
+        }
+    }
+
     fn simd(&self) -> Option<Simd> {
         match self {
             Self::Cpu(_, simd) => *simd,

@@ -56,6 +56,11 @@ pub trait Executor {
     /// [`abilities`](raystream_shaders::scene::abilities), so that no launch waits for a compiler.
     fn prepare(&self, abilities: u32) -> Result<(), ExecError>;
 
+    /// Whether its lanes run in step, in groups, so that each waits for the slowest of its group.
+    fn runs_in_step(&self) -> bool {
+        true
+    }
+
     /// The instructions by which it traverses scenes, if it does so in another way than GPUs.
     fn simd(&self) -> Option<Simd> {
         None
@@ -105,6 +110,10 @@ impl<E: Executor> Executor for &E {
 
     fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
         (**self).prepare(abilities)
+    }
+
+    fn runs_in_step(&self) -> bool {
+        (**self).runs_in_step()
     }
 
     fn simd(&self) -> Option<Simd> {

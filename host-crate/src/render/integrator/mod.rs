@@ -113,8 +113,13 @@ pub fn create<E: Executor>(
     capacity: u32,
 ) -> Result<Box<dyn Integrator<E>>, ExecError> {
     let abilities = context.scene.abilities();
-    Ok(match context.settings.integrator {
-        IntegratorKind::Megakernel => Box::new(megakernel::Megakernel),
+    let kind = match context.settings.integrator {
+        IntegratorKind::Auto if context.executor.runs_in_step() => IntegratorKind::Regeneration,
+        IntegratorKind::Auto => IntegratorKind::Megakernel,
+        chosen => chosen,
+    };
+    Ok(match kind {
+        IntegratorKind::Auto | IntegratorKind::Megakernel => Box::new(megakernel::Megakernel),
         IntegratorKind::Regeneration => {
             Box::new(regeneration::Regeneration::new(context.executor)?)
         }

@@ -60,6 +60,10 @@ pub struct Settings {
 /// How a path's contribution is computed; see [`crate::render::integrator`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum IntegratorKind {
+    /// The fastest way to walk one path after the other: regeneration where lanes run in step, in
+    /// groups, as those of a GPU do, and else the megakernel. Both make the same contributions.
+    #[default]
+    Auto,
     /// One thread walks one path to its end.
     Megakernel,
     /// All paths advance by a segment at a time; after each, stream compaction removes those that
@@ -67,7 +71,6 @@ pub enum IntegratorKind {
     Compaction,
     /// A fixed number of threads, each of which takes the next sample as soon as its path has
     /// ended.
-    #[default]
     Regeneration,
     /// A pool of paths that advance by a segment at a time; stream compaction removes those that
     /// have ended, and the next samples take their places.
@@ -79,6 +82,7 @@ pub enum IntegratorKind {
 
 named! {
     IntegratorKind {
+        Auto: "auto",
         Megakernel: "megakernel",
         Compaction: "compaction",
         Regeneration: "regeneration",
