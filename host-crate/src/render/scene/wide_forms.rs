@@ -6,6 +6,7 @@ use glam::UVec4;
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use raystream_shaders::scene::bvh::wide::{Tree, WideBvh};
 use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 
 /// The forms, and what they are made from.
 pub struct WideForms {
@@ -41,6 +42,22 @@ impl WideForms {
     }
 
     fn collapsed<const N: usize>(&self, planes: &[UVec4]) -> Option<Arc<Tree<N>>> {
-        collapse(&self.source.hierarchies, planes, &self.source.shapes).map(Arc::new)
+        let start = Instant::now();
+        let tree = collapse(&self.source.hierarchies, planes, &self.source.shapes);
+        match &tree {
+            Some(tree) => tracing::debug!(
+                "the CPU's hierarchy has {} nodes of {N} and {} leaves, {:.1} MiB, made in {:.2?}",
+                tree.nodes.len(),
+                tree.leaves.len(),
+                (size_of_val(&tree.nodes[..]) + size_of_val(&tree.leaves[..])) as f64
+                    / f64::from(1 << 20),
+                start.elapsed()
+            ),
+            None => tracing::warn!(
+                "the scene is too large for the CPU's own hierarchy; that of GPUs is traversed, \
+                 which is slower"
+            ),
+        }
+        tree.map(Arc::new)
     }
 }
