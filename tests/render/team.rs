@@ -4,8 +4,8 @@ use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Device, ExecError, Executor};
 use raystream::render::allocator::Stream;
 use raystream::render::{
-    AllocatorKind, Budget, Checkpoint, Estimator, FilterKind, IntegratorKind, LocalWorker,
-    PreparedScene, Renderer, Sampling, Settings, Worker, run,
+    AllocatorKind, Budget, Checkpoint, Estimator, FilterKind, IntegratorKind, Link, LocalWorker,
+    PreparedScene, RemoteWorker, Renderer, Sampling, Settings, Worker, run, serve,
 };
 use raystream::scene::FilmSize;
 use raystream_shaders::film::Contribution;
@@ -14,6 +14,8 @@ use raystream_shaders::film::sums::PixelSums;
 use raystream_tests::statistics::assert_same_expectation;
 use raystream_tests::{prepare, scenes, with_gpu};
 use std::ops::Range;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
 
 const SAMPLES: u32 = 40;
 
@@ -196,4 +198,70 @@ fn a_gpu_and_the_cpu_render_together() {
         assert!(together.samples().iter().all(|&samples| samples == 256));
         assert_same_expectation(&together, &alone, "a GPU and the CPU");
     });
+}
+
+/// One end of a link within this process, which breaks after a number of messages.
+struct Channel {
+    outbox: Sender<Vec<u8>>,
+    inbox: Receiver<Vec<u8>>,
+    left: u32,
+}
+
+impl Channel {
+    fn pair(left: u32) -> (Self, Self) {
+        let (near_outbox, far_inbox) = channel();
+        let (far_outbox, near_inbox) = channel();
+        let near = Self { outbox: near_outbox, inbox: near_inbox, left };
+        (near, Self { outbox: far_outbox, inbox: far_inbox, left: u32::MAX })
+    }
+}
+
+impl Link for Channel {
+    fn send(&mut self, message: Vec<u8>) -> Result<(), String> {
+        self.left = self.left.checked_sub(1).ok_or("it was to break")?;
+        self.outbox.send(message).map_err(|_| "nobody is there".to_owned())
+    }
+
+    fn receive(&mut self) -> Result<Vec<u8>, String> {
+        self.inbox.recv().map_err(|_| "nobody is there".to_owned())
+    }
+}
+
+/// A worker at the other end of a link, in a thread of its own.
+fn remote(mut worker: Box<dyn Worker>, left: u32) -> Box<dyn Worker> {
+    let (near, mut far) = Channel::pair(left);
+    let (name, capacity) = (worker.name(), worker.capacity());
+    thread::spawn(move || serve(worker.as_mut(), &mut far));
+    Box::new(RemoteWorker::new(near, name, capacity))
+}
+
+#[test]
+fn the_film_of_workers_behind_links_is_that_of_one_device() {
+    for (name, settings, scene) in cases() {
+        let job = (&scene, &settings);
+        let alone = rendered(CpuExecutor, job, Vec::new());
+        let workers = (0..2).map(|_| remote(worker(CpuExecutor, job), u32::MAX)).collect();
+        assert_same(&rendered(CpuExecutor, job, workers), &alone, name);
+        for left in [0, 1, 3, 8] {
+            let workers = vec![
+                remote(worker(CpuExecutor, job), left),
+                remote(worker(CpuExecutor, job), u32::MAX),
+            ];
+            let together = rendered(CpuExecutor, job, workers);
+            assert_same(&together, &alone, &format!("{name}, a link breaks after {left}"));
+        }
+    }
+}
+
+/// A worker that fails at the other end is left out like one that fails here.
+#[test]
+fn failures_come_through_links() {
+    let (name, settings, scene) = cases().swap_remove(1);
+    let job = (&scene, &settings);
+    let alone = rendered(CpuExecutor, job, Vec::new());
+    for left in [0, 2, 5] {
+        let failing = Failing { inner: worker(CpuExecutor, job), left };
+        let workers = vec![remote(Box::new(failing), u32::MAX)];
+        assert_same(&rendered(CpuExecutor, job, workers), &alone, name);
+    }
 }

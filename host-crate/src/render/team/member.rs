@@ -150,8 +150,8 @@ impl Member {
     }
 }
 
-/// Does a task.
-fn work(worker: &mut dyn Worker, task: Task) -> Result<(Answer, u32, Duration)> {
+/// Does a task. Returns the answer, and how many slots took how long.
+pub(super) fn work(worker: &mut dyn Worker, task: Task) -> Result<(Answer, u32, Duration)> {
     let start = Instant::now();
     let (answer, slots) = match task {
         Task::BeginRound(number) => worker.begin_round(number).map(|()| (Answer::Done, 0))?,

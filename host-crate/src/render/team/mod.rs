@@ -18,8 +18,11 @@
 
 mod local;
 mod member;
+mod message;
+mod remote;
 
 pub use local::LocalWorker;
+pub use remote::{Link, RemoteWorker, serve};
 
 use super::allocator::Stream;
 use super::film::WINDOW_ALIGNMENT;

@@ -1,0 +1,121 @@
+//! A worker in another process.
+//!
+//! Both sides speak over a [`Link`]: here is a [`RemoteWorker`], there [`serve`] has a worker do
+//! what it is told. Each order has one answer, so that at most one message is under way.
+
+use super::member::{Answer, Task, work};
+use super::message::{Order, read_order, read_report, write_order, write_report};
+use super::{Stream, Worker};
+use crate::exec::ExecError;
+use raystream_shaders::film::Contribution;
+use raystream_shaders::film::stream::Slot;
+use raystream_shaders::film::sums::PixelSums;
+use std::ops::Range;
+
+/// A way to another process, on which messages arrive whole and in order. Both processes are of one
+/// build: bytes are as they lie in memory.
+pub trait Link: Send {
+    /// Sends a message; that it has arrived is not said.
+    ///
+    /// # Errors
+    /// Why the other side cannot be reached any more, as far as that is known.
+    fn send(&mut self, message: Vec<u8>) -> Result<(), String>;
+
+    /// Waits for a message.
+    ///
+    /// # Errors
+    /// Why none will come any more, as far as that is known.
+    fn receive(&mut self) -> Result<Vec<u8>, String>;
+}
+
+/// A worker at the other end of a link.
+pub struct RemoteWorker<L: Link> {
+    link: L,
+    name: String,
+    capacity: u32,
+}
+
+impl<L: Link> RemoteWorker<L> {
+    /// The worker that [`serve`] has at the other end, of this [name](Worker::name) and
+    /// [capacity](Worker::capacity).
+    pub fn new(link: L, name: String, capacity: u32) -> Self {
+        Self { link, name, capacity }
+    }
+
+    fn ask(&mut self, task: Task) -> Result<Answer, ExecError> {
+        let sent = self.link.send(write_order(&Order::Do(task)));
+        let answer = sent.and_then(|()| self.link.receive()).and_then(|bytes| {
+            read_report(&bytes).unwrap_or_else(|| Err("it sent what is no answer".to_owned()))
+        });
+        answer.map_err(|reason| self.error(reason))
+    }
+
+    fn error(&self, reason: String) -> ExecError {
+        ExecError::Worker { name: self.name.clone(), reason }
+    }
+
+    fn other_answer(&self) -> ExecError {
+        self.error("it answered something else".to_owned())
+    }
+
+    fn have_done(&mut self, task: Task) -> Result<(), ExecError> {
+        match self.ask(task)? {
+            Answer::Done => Ok(()),
+            _ => Err(self.other_answer()),
+        }
+    }
+}
+
+impl<L: Link> Worker for RemoteWorker<L> {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn capacity(&self) -> u32 {
+        self.capacity
+    }
+
+    fn begin_round(&mut self, number: u32) -> Result<(), ExecError> {
+        self.have_done(Task::BeginRound(number))
+    }
+
+    fn sample(&mut self, window: &Stream) -> Result<(), ExecError> {
+        self.have_done(Task::Sample(window.clone()))
+    }
+
+    fn trace(&mut self, slots: &[Slot]) -> Result<Vec<Contribution>, ExecError> {
+        match self.ask(Task::Trace(slots.to_vec()))? {
+            Answer::Traced(all) if all.len() == slots.len() => Ok(all),
+            _ => Err(self.other_answer()),
+        }
+    }
+
+    fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError> {
+        match self.ask(Task::TakeSums(ranks.clone()))? {
+            Answer::Sums(sums) if sums.len() == ranks.len() => Ok(sums),
+            _ => Err(self.other_answer()),
+        }
+    }
+}
+
+impl<L: Link> Drop for RemoteWorker<L> {
+    /// Lets the other side go.
+    fn drop(&mut self) {
+        // Nobody may be there any more.
+        let _ = self.link.send(write_order(&Order::End));
+    }
+}
+
+/// Has `worker` do what the [`RemoteWorker`] at the other end of the link asks for, until that is
+/// dropped. If the worker fails, the other side is told, and does without it.
+///
+/// # Errors
+/// If the link fails, or brings what is no order.
+pub fn serve(worker: &mut dyn Worker, link: &mut dyn Link) -> Result<(), String> {
+    loop {
+        let order = read_order(&link.receive()?).ok_or("an order that cannot be read")?;
+        let Order::Do(task) = order else { return Ok(()) };
+        let report = work(worker, task).map(|(answer, ..)| answer);
+        link.send(write_report(&report.map_err(|error| error.to_string())))?;
+    }
+}
