@@ -203,6 +203,8 @@ impl Team {
             traced.push((part, Some(contributions)));
             Ok(())
         });
+        let slots: usize = traced.iter().map(|(part, _)| part.len()).sum();
+        tracing::debug!("workers traced {slots} slots of an adaptive stream");
         traced.extend(self.lost_parts.drain(..).map(|part| (part, None)));
         traced
     }

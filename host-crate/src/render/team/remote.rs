@@ -11,6 +11,7 @@ use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::film::sums::PixelSums;
 use std::ops::Range;
+use std::time::Instant;
 
 /// A way to another process, on which messages arrive whole and in order. Both processes are of one
 /// build: bytes are as they lie in memory.
@@ -43,8 +44,13 @@ impl<L: Link> RemoteWorker<L> {
     }
 
     fn ask(&mut self, task: Task) -> Result<Answer, ExecError> {
-        let sent = self.link.send(write_order(&Order::Do(task)));
+        let start = Instant::now();
+        let order = write_order(&Order::Do(task));
+        let there = order.len();
+        let sent = self.link.send(order);
         let answer = sent.and_then(|()| self.link.receive()).and_then(|bytes| {
+            let (name, back, time) = (&self.name, bytes.len(), start.elapsed());
+            tracing::trace!("{name}: {there} bytes there, {back} back, {time:.1?}");
             read_report(&bytes).unwrap_or_else(|| Err("it sent what is no answer".to_owned()))
         });
         answer.map_err(|reason| self.error(reason))
