@@ -29,6 +29,8 @@ const LAST_MESSAGES: Duration = Duration::from_secs(5);
 const GOODBYE: &[u8] = b"goodbye";
 /// The same, if not all are left: nobody can finalize it.
 const LEAVE: &[u8] = b"leave";
+/// What the first process says of one that is lost, before its number: helpers may wait for it.
+const LOST: &[u8] = b"lost";
 
 /// How the office closed.
 pub enum Closed {
@@ -116,7 +118,7 @@ impl Office {
     }
 
     fn send(&mut self, to: Address, bytes: Vec<u8>) {
-        if self.heard.contains_key(&to.rank) {
+        if !self.inboxes().lost.contains(&to.rank) {
             self.sending.push(Transfer::send(&self.world, to, bytes));
         }
     }
@@ -150,6 +152,9 @@ impl Office {
         }
         if self.rank > 0 && from.worker == 0 && (bytes == GOODBYE || bytes == LEAVE) {
             self.last_word = Some(bytes);
+        } else if self.rank > 0 && from.worker == 0 && bytes.starts_with(LOST) {
+            let rank = bytes[LOST.len()..].try_into().map(Rank::from_ne_bytes);
+            let _ = rank.map(|rank| self.lose(rank));
         } else if !(from.worker == 0 && bytes.is_empty()) {
             self.inboxes().deliver(from, bytes);
         }
@@ -159,16 +164,24 @@ impl Office {
         let is_silent = |heard: &Instant| heard.elapsed() >= SILENCE;
         let silent = self.heard.iter().filter(|(_, heard)| is_silent(heard));
         for rank in silent.map(|(&rank, _)| rank).collect::<Vec<_>>() {
-            self.heard.remove(&rank);
-            let reason = format!("it has said nothing for {} s", SILENCE.as_secs());
-            self.inboxes().lose(rank, &reason);
-            let transfers = [&mut self.sending, &mut self.receiving];
-            for transfers in transfers {
-                for transfer in std::mem::take(transfers) {
-                    match transfer {
-                        transfer if transfer.with.rank == rank => transfer.give_up(),
-                        transfer => transfers.push(transfer),
-                    }
+            self.lose(rank);
+            for other in self.heard.keys().copied().collect::<Vec<_>>() {
+                let word = [LOST, &rank.to_ne_bytes()[..]].concat();
+                self.send(Address::process(other), word);
+            }
+        }
+    }
+
+    /// Gives a process up, and what is under way to it and from it.
+    fn lose(&mut self, rank: Rank) {
+        self.heard.remove(&rank);
+        let reason = format!("it has said nothing for {} s", SILENCE.as_secs());
+        self.inboxes().lose(rank, &reason);
+        for transfers in [&mut self.sending, &mut self.receiving] {
+            for transfer in std::mem::take(transfers) {
+                match transfer {
+                    transfer if transfer.with.rank == rank => transfer.give_up(),
+                    transfer => transfers.push(transfer),
                 }
             }
         }

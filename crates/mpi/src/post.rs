@@ -3,15 +3,18 @@
 use mpi::{Rank, Tag};
 use raystream::render::Link;
 use std::collections::{HashMap, HashSet};
-use std::sync::mpsc::{Receiver, RecvError, Sender};
+use std::sync::mpsc::{Receiver, RecvError, SendError, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Workers of a process, at most: MPI promises tags up to 2^15.
+pub const MOST_WORKERS: usize = 100;
 
 /// Who is at the other end: a process, and which of its workers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Address {
     /// Number of the process.
     pub rank: Rank,
-    /// Number of its worker, from 1 on; 0 for the process itself.
+    /// 0 for the process itself; else which worker it is, or which two are connected.
     pub worker: Tag,
 }
 
@@ -19,6 +22,18 @@ impl Address {
     /// The process itself.
     pub fn process(rank: Rank) -> Self {
         Self { rank, worker: 0 }
+    }
+
+    /// A worker, as the first process and its own see it.
+    pub fn worker(rank: Rank, index: usize) -> Self {
+        Self { rank, worker: 1 + index as Tag }
+    }
+
+    /// The way between two processes' workers of these numbers, seen from one of them: `process` is
+    /// the other one.
+    pub fn between(process: u32, giver: usize, taker: usize) -> Self {
+        let pair = (1 + giver) * (MOST_WORKERS + 1) + taker;
+        Self { rank: process as Rank, worker: pair as Tag }
     }
 }
 
@@ -33,10 +48,13 @@ pub enum Mail {
 /// What a process has to say of itself, or why nothing comes of it.
 pub type Greeting = (Rank, Result<Vec<u8>, String>);
 
+/// Where the messages of a link go, and who reads them there if nobody has opened it yet.
+type Inbox = (Sender<Vec<u8>>, Option<Receiver<Vec<u8>>>);
+
 /// Where messages that come in go.
 pub struct Inboxes {
-    /// Of links.
-    pub links: HashMap<Address, Sender<Vec<u8>>>,
+    /// Of links, with what nobody has opened yet.
+    pub links: HashMap<Address, Inbox>,
     /// Of greetings.
     pub greetings: Sender<Greeting>,
     /// Processes that are lost, and from which nothing more is taken.
@@ -44,7 +62,7 @@ pub struct Inboxes {
 }
 
 impl Inboxes {
-    /// Puts a message where it belongs. One that nobody waits for is of what is over.
+    /// Puts a message where it belongs, and keeps it if nobody has opened that yet.
     pub fn deliver(&mut self, from: Address, bytes: Vec<u8>) {
         if self.lost.contains(&from.rank) {
             return;
@@ -52,9 +70,29 @@ impl Inboxes {
         // A receiver that is gone needs it no more.
         if from.worker == 0 {
             let _ = self.greetings.send((from.rank, Ok(bytes)));
-        } else if let Some(inbox) = self.links.get(&from) {
-            let _ = inbox.send(bytes);
+        } else {
+            let (sender, _) = self.links.entry(from).or_insert_with(new_inbox);
+            if let Err(SendError(bytes)) = sender.send(bytes) {
+                // That one is over, and this is the next one's.
+                let inbox = new_inbox();
+                let _ = inbox.0.send(bytes);
+                self.links.insert(from, inbox);
+            }
         }
+    }
+
+    /// The receiver of what comes from there from now on.
+    fn open(&mut self, from: Address) -> Receiver<Vec<u8>> {
+        if self.lost.contains(&from.rank) {
+            // Nobody will ever send anything.
+            return std::sync::mpsc::channel().1;
+        }
+        let (_, kept) = self.links.entry(from).or_insert_with(new_inbox);
+        kept.take().unwrap_or_else(|| {
+            let (sender, receiver) = std::sync::mpsc::channel();
+            self.links.insert(from, (sender, None));
+            receiver
+        })
     }
 
     /// Gives a process up, and tells all who wait for it.
@@ -97,16 +135,16 @@ impl Post {
         let _ = self.mail.send(mail);
     }
 
-    /// A way to a worker. What came before on one to the same address is gone.
+    /// A way to a worker. One that was opened before to the same address is over.
     pub fn open(&self, address: Address) -> MpiLink {
-        let (sender, inbox) = std::sync::mpsc::channel();
-        let mut inboxes = self.inboxes();
-        if !inboxes.lost.contains(&address.rank) {
-            inboxes.links.insert(address, sender);
-        }
-        drop(inboxes);
+        let inbox = self.inboxes().open(address);
         MpiLink { post: self.clone(), address, inbox }
     }
+}
+
+fn new_inbox() -> Inbox {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    (sender, Some(receiver))
 }
 
 /// A way to a worker of another process, or from one to the first process.

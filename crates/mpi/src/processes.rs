@@ -1,8 +1,8 @@
 //! The processes of a render, connected by MPI.
 
-use crate::post::{Address, Greeting, Mail, MpiLink, Post};
+use crate::post::{Address, Greeting, MOST_WORKERS, Mail, MpiLink, Post};
 use mpi::Rank;
-use raystream::render::{Link, RemoteWorker, Worker, serve};
+use raystream::render::{Link, Peer, RemoteWorker, Way, Worker, serve};
 use raystream_cli::{CliError, Helper, Identity, Processes};
 use serde::{Deserialize, Serialize};
 use std::sync::mpsc::Receiver;
@@ -62,8 +62,10 @@ impl MpiProcesses {
             return Err(format!("{name} {difference}").into());
         }
         let worker = |(index, (device, capacity)): (usize, (String, u32))| {
-            let link = self.post.open(Address { rank, worker: index as i32 + 1 });
+            let peer = Peer { process: rank as u32, worker: index as u32 };
+            let link = self.post.open(Address::worker(rank, index));
             let worker = RemoteWorker::new(link, format!("{device} ({name})"), capacity);
+            let worker = worker.with_peer(peer);
             Helper { device, worker: Box::new(worker) }
         };
         Ok(crew.workers.into_iter().enumerate().map(worker).collect())
@@ -92,15 +94,24 @@ impl Processes for MpiProcesses {
 
     fn serve(&self, identity: &Identity, workers: Vec<Box<dyn Worker>>) -> Result<(), CliError> {
         let names = workers.iter().map(|worker| (worker.name(), worker.capacity())).collect();
-        let links: Vec<MpiLink> = (1..=workers.len())
-            .map(|worker| self.post.open(Address { rank: 0, worker: worker as i32 }))
-            .collect();
+        if workers.len() > MOST_WORKERS {
+            return Err(
+                format!("more than {MOST_WORKERS} devices; name fewer with --device").into()
+            );
+        }
+        let links: Vec<MpiLink> =
+            (0..workers.len()).map(|index| self.post.open(Address::worker(0, index))).collect();
         self.greet(Ok(Crew { render: identity.clone(), workers: names }));
         thread::scope(|scope| {
             let serving: Vec<_> = workers
                 .into_iter()
                 .zip(links)
-                .map(|(worker, link)| scope.spawn(move || serve_one(worker, link)))
+                .enumerate()
+                .map(|(index, (mut worker, mut link))| {
+                    let post = self.post.clone();
+                    let connect = move |way: Way| connect(&post, index, way);
+                    scope.spawn(move || serve(worker.as_mut(), &mut link, &connect))
+                })
                 .collect();
             serving.into_iter().try_for_each(|thread| {
                 let served = thread.join().map_err(|_| "a worker has panicked".to_owned());
@@ -110,6 +121,11 @@ impl Processes for MpiProcesses {
     }
 }
 
-fn serve_one(mut worker: Box<dyn Worker>, mut link: impl Link) -> Result<(), String> {
-    serve(worker.as_mut(), &mut link)
+/// A way from this process's worker number `index` to another process's worker.
+fn connect(post: &Post, index: usize, way: Way) -> Box<dyn Link> {
+    let address = match way {
+        Way::To(other) => Address::between(other.process, index, other.worker as usize),
+        Way::From(other) => Address::between(other.process, other.worker as usize, index),
+    };
+    Box::new(post.open(address))
 }

@@ -1,6 +1,6 @@
 //! A worker in a thread of its own.
 
-use super::Worker;
+use super::{Peer, Worker};
 use crate::exec::ExecError;
 use crate::render::allocator::Stream;
 use crate::render::round::batch::BatchSize;
@@ -18,6 +18,9 @@ pub(super) enum Task {
     Sample(Stream),
     Trace(Vec<Slot>),
     TakeSums(Range<u32>),
+    AddSums(u32, Vec<PixelSums>),
+    GiveFilm(Peer, u32),
+    TakeFilm(Peer, u32),
 }
 
 /// What came of it.
@@ -34,6 +37,7 @@ type Result<T> = std::result::Result<T, ExecError>;
 pub(super) struct Member {
     pub name: String,
     pub capacity: u32,
+    pub peer: Option<Peer>,
     pub batch: BatchSize,
     /// Windows under way and in its film.
     pub windows: Vec<Stream>,
@@ -52,7 +56,7 @@ pub(super) struct Member {
 impl Member {
     /// Starts its thread, which ends with the member or when the worker fails.
     pub fn new(mut worker: Box<dyn Worker>) -> Self {
-        let (name, capacity) = (worker.name(), worker.capacity());
+        let (name, capacity, peer) = (worker.name(), worker.capacity(), worker.peer());
         let (tasks, inbox) = channel();
         let (outbox, answers) = channel();
         thread::spawn(move || {
@@ -68,6 +72,7 @@ impl Member {
         Self {
             name,
             capacity,
+            peer,
             batch,
             windows: Vec::new(),
             part: None,
@@ -83,6 +88,27 @@ impl Member {
     pub fn send(&mut self, task: Task) -> Result<()> {
         self.pending += 1;
         self.tasks.send(task).map_err(|_| self.is_gone())
+    }
+
+    /// Gives it a task; if it is gone, it is to be left out.
+    pub fn have_done(&mut self, task: Task) {
+        if let Err(error) = self.send(task) {
+            self.failed = Some(error);
+        }
+    }
+
+    /// Waits until it has done all its tasks. Returns whether it has; else it is to be left out.
+    pub fn finish(&mut self) -> bool {
+        if self.failed.is_none() {
+            self.failed = self.wait().err();
+        }
+        self.failed.is_none()
+    }
+
+    /// Has it be left out, if it is not to be already.
+    pub fn give_up(&mut self, reason: &str) {
+        let (name, reason) = (self.name.clone(), reason.to_owned());
+        self.failed.get_or_insert(ExecError::Worker { name, reason });
     }
 
     /// Receives the answers that are there.
@@ -161,6 +187,18 @@ pub(super) fn work(worker: &mut dyn Worker, task: Task) -> Result<(Answer, u32, 
         }
         Task::Trace(slots) => (Answer::Traced(worker.trace(&slots)?), slots.len() as u32),
         Task::TakeSums(ranks) => (Answer::Sums(worker.take_sums(ranks)?), 0),
+        Task::AddSums(first, sums) => {
+            worker.add_sums(first, &sums)?;
+            (Answer::Done, 0)
+        }
+        Task::GiveFilm(to, pixels) => {
+            worker.give_film(to, pixels)?;
+            (Answer::Done, 0)
+        }
+        Task::TakeFilm(from, pixels) => {
+            worker.take_film(from, pixels)?;
+            (Answer::Done, 0)
+        }
     };
     Ok((answer, slots, start.elapsed()))
 }

@@ -4,6 +4,7 @@
 //! where that is cheap: slots are sent as runs, since those of a pixel are numbered one after the
 //! other, and of sums the words that are 0 are left out, which most of their high ones are.
 
+use super::Peer;
 use super::member::{Answer, Task};
 use crate::render::allocator::Stream;
 use rayon::prelude::*;
@@ -21,6 +22,9 @@ const DONE: u32 = 6;
 const TRACED: u32 = 7;
 const SUMS: u32 = 8;
 const FAILED: u32 = 9;
+const GIVE_FILM: u32 = 10;
+const TAKE_FILM: u32 = 11;
+const ADD_SUMS: u32 = 12;
 
 /// What a worker's process is told.
 pub(super) enum Order {
@@ -46,6 +50,17 @@ pub(super) fn write_order(order: &Order) -> Vec<u8> {
             words
         }
         Order::Do(Task::TakeSums(ranks)) => vec![TAKE_SUMS, ranks.start, ranks.end],
+        Order::Do(Task::AddSums(first, sums)) => {
+            let mut words = vec![ADD_SUMS, *first];
+            words.extend(
+                write_sums(sums).as_chunks().0.iter().map(|&word| u32::from_ne_bytes(word)),
+            );
+            words
+        }
+        Order::Do(Task::GiveFilm(to, pixels)) => vec![GIVE_FILM, to.process, to.worker, *pixels],
+        Order::Do(Task::TakeFilm(from, pixels)) => {
+            vec![TAKE_FILM, from.process, from.worker, *pixels]
+        }
         Order::End => vec![END],
     };
     bytemuck::cast_slice(&words).to_vec()
@@ -65,6 +80,11 @@ pub(super) fn read_order(bytes: &[u8]) -> Option<Order> {
         }
         (TRACE, [count, runs @ ..]) => Task::Trace(slots(*count as usize, runs)?),
         (TAKE_SUMS, &[start, end]) => (start <= end).then_some(Task::TakeSums(start..end))?,
+        (ADD_SUMS, [first, sums @ ..]) => {
+            Task::AddSums(*first, read_sums(bytemuck::cast_slice(sums))?)
+        }
+        (GIVE_FILM, &[process, worker, pixels]) => Task::GiveFilm(Peer { process, worker }, pixels),
+        (TAKE_FILM, &[process, worker, pixels]) => Task::TakeFilm(Peer { process, worker }, pixels),
         (END, []) => return Some(Order::End),
         _ => return None,
     };
@@ -237,6 +257,10 @@ mod tests {
             let bytes = write_report(&Ok(Answer::Sums(sums.clone())));
             let Some(Ok(Answer::Sums(sent))) = read_report(&bytes) else { panic!("{count}") };
             assert!(sent == sums, "{count}");
+            let Some(Task::AddSums(5, sent)) = sent_order(Task::AddSums(5, sums.clone())) else {
+                panic!("{count}")
+            };
+            assert!(sent == sums, "{count}");
             assert!(count < 2 || bytes.len() < size_of_val(&sums[..]) / 2, "{}", bytes.len());
         }
     }
@@ -251,7 +275,8 @@ mod tests {
     #[test]
     fn damaged_messages_are_refused() {
         let slots = vec![Slot { rank: 1, sample: 2 }; 3];
-        for task in [Task::BeginRound(1), Task::Trace(slots), Task::TakeSums(1..2)] {
+        let give = Task::GiveFilm(Peer { process: 1, worker: 2 }, 3);
+        for task in [Task::BeginRound(1), Task::Trace(slots), Task::TakeSums(1..2), give] {
             let bytes = write_order(&Order::Do(task));
             for length in 0..bytes.len() {
                 assert!(read_order(&bytes[..length]).is_none(), "{length} of {}", bytes.len());
@@ -263,6 +288,8 @@ mod tests {
         for bytes in [backwards, other_length] {
             assert!(read_order(&bytes).is_none());
         }
+        let bytes = write_order(&Order::Do(Task::AddSums(0, sums(2))));
+        assert!((0..bytes.len()).all(|length| read_order(&bytes[..length]).is_none()));
         let bytes = write_report(&Ok(Answer::Sums(sums(2))));
         for length in 0..bytes.len() {
             assert!(read_report(&bytes[..length]).is_none(), "{length} of {}", bytes.len());

@@ -8,6 +8,8 @@
 //! - **Windows** of pixels, where no errors decide, need nothing but the numbers of their samples. A
 //!   worker fills them, traces them and adds them to a film of its own, one after the other, and
 //!   waits for nobody. Its sums are added to the render's film when somebody wants to look at that.
+//!   Before, workers that can reach each other add up their films two and two, so that the render's
+//!   device has one to add and not one for each.
 //! - **Adaptive streams** are made on the render's device. Each worker is sent a part of the slots,
 //!   in proportion to its speed, and sends the contributions back, for the next round's errors are
 //!   those of them all. That is 24 bytes a slot to and fro, which may take longer than to trace it:
@@ -22,7 +24,7 @@ mod message;
 mod remote;
 
 pub use local::LocalWorker;
-pub use remote::{Link, RemoteWorker, serve};
+pub use remote::{Link, RemoteWorker, Way, serve};
 
 use super::allocator::Stream;
 use super::film::WINDOW_ALIGNMENT;
@@ -65,6 +67,44 @@ pub trait Worker: Send {
     /// # Errors
     /// If it fails.
     fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError>;
+
+    /// Adds sums to its own film, from a rank on.
+    ///
+    /// # Errors
+    /// If it fails.
+    fn add_sums(&mut self, first: u32, sums: &[PixelSums]) -> Result<(), ExecError>;
+
+    /// Where other workers of the render find it, if workers can send each other their films.
+    fn peer(&self) -> Option<Peer> {
+        None
+    }
+
+    /// Sends its film, of `pixels` pixels, to another worker, which [takes](Self::take_film) it. Its
+    /// own is zero from then on.
+    ///
+    /// # Errors
+    /// If it fails, or has no way there.
+    fn give_film(&mut self, _to: Peer, _pixels: u32) -> Result<(), ExecError> {
+        let reason = "it has no way to other workers".to_owned();
+        Err(ExecError::Worker { name: self.name(), reason })
+    }
+
+    /// Adds another worker's film, of `pixels` pixels, to its own.
+    ///
+    /// # Errors
+    /// If it or the other one fails, or there is no way.
+    fn take_film(&mut self, from: Peer, pixels: u32) -> Result<(), ExecError> {
+        self.give_film(from, pixels)
+    }
+}
+
+/// Where a worker is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Peer {
+    /// Number of its process.
+    pub process: u32,
+    /// Which of that process's workers it is.
+    pub worker: u32,
 }
 
 /// The workers of a render.
@@ -187,9 +227,7 @@ impl Team {
         }
         let member = &mut self.members[index];
         member.part = Some(part);
-        if let Err(error) = member.send(Task::Trace(slots)) {
-            member.failed = Some(error);
-        }
+        member.have_done(Task::Trace(slots));
     }
 
     /// Waits for what workers make of the parts that they were given to [trace](Self::trace); there
@@ -219,6 +257,7 @@ impl Team {
         pixels: u32,
         mut add: impl FnMut(Range<u32>, &[PixelSums]) -> Result<(), ExecError>,
     ) -> Result<(), ExecError> {
+        self.add_up(pixels);
         let mut result = Ok(());
         self.for_each(|member| {
             if member.windows.is_empty() {
@@ -228,9 +267,7 @@ impl Team {
             member.wait()?;
             let waited = start.elapsed();
             // All of it is here before any of it is added: a worker is lost as a whole or not.
-            let pieces = (0..pixels).step_by(PIXELS_AT_ONCE as usize);
-            let ranges = pieces.map(|start| start..pixels.min(start + PIXELS_AT_ONCE));
-            let sums: Vec<_> = ranges
+            let sums: Vec<_> = pieces(pixels)
                 .map(|ranks| Ok((ranks.clone(), member.take_sums(ranks)?)))
                 .collect::<Result<_, ExecError>>()?;
             let read = start.elapsed();
@@ -249,6 +286,37 @@ impl Team {
             Ok(())
         });
         result
+    }
+
+    /// Has workers that can reach each other add up their films, two and two at the same time, until
+    /// one of them has all. If one of two fails, what both had is to be done again.
+    fn add_up(&mut self, pixels: u32) {
+        let start = Instant::now();
+        for step in 1.. {
+            let members = self.members.iter().enumerate();
+            let ready = members.filter(|(_, member)| !member.windows.is_empty());
+            let ready: Vec<_> =
+                ready.filter_map(|(index, member)| Some((index, member.peer?))).collect();
+            let pairs = ready.as_chunks::<2>().0;
+            if pairs.is_empty() {
+                return;
+            }
+            for &[(taker, to), (giver, from)] in pairs {
+                self.members[giver].have_done(Task::GiveFilm(to, pixels));
+                self.members[taker].have_done(Task::TakeFilm(from, pixels));
+            }
+            for &[(taker, _), (giver, _)] in pairs {
+                let gave = self.members[giver].finish();
+                let windows = std::mem::take(&mut self.members[giver].windows);
+                self.members[taker].windows.extend(windows);
+                if !self.members[taker].finish() || !gave {
+                    self.members[taker].give_up("it has not all of another worker's film");
+                }
+            }
+            self.for_each(|_| Ok(()));
+            let (count, elapsed) = (pairs.len(), start.elapsed());
+            tracing::debug!("step {step}: {count} workers gave others their films, {elapsed:.1?}");
+        }
     }
 
     /// Windows that are to be done again.
@@ -274,6 +342,12 @@ impl Team {
             false
         });
     }
+}
+
+/// The ranges of ranks that are handed over at once.
+fn pieces(pixels: u32) -> impl Iterator<Item = Range<u32>> {
+    let starts = (0..pixels).step_by(PIXELS_AT_ONCE as usize);
+    starts.map(move |start| start..pixels.min(start + PIXELS_AT_ONCE))
 }
 
 #[cfg(test)]
@@ -306,6 +380,10 @@ mod tests {
 
         fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError> {
             Ok(vec![PixelSums::default(); ranks.len()])
+        }
+
+        fn add_sums(&mut self, _: u32, _: &[PixelSums]) -> Result<(), ExecError> {
+            Ok(())
         }
     }
 

@@ -5,7 +5,7 @@
 
 use super::member::{Answer, Task, work};
 use super::message::{Order, read_order, read_report, write_order, write_report};
-use super::{Stream, Worker};
+use super::{Peer, Stream, Worker, pieces};
 use crate::exec::ExecError;
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
@@ -34,13 +34,20 @@ pub struct RemoteWorker<L: Link> {
     link: L,
     name: String,
     capacity: u32,
+    peer: Option<Peer>,
 }
 
 impl<L: Link> RemoteWorker<L> {
     /// The worker that [`serve`] has at the other end, of this [name](Worker::name) and
     /// [capacity](Worker::capacity).
     pub fn new(link: L, name: String, capacity: u32) -> Self {
-        Self { link, name, capacity }
+        Self { link, name, capacity, peer: None }
+    }
+
+    /// The same, where other workers find it.
+    pub fn with_peer(mut self, peer: Peer) -> Self {
+        self.peer = Some(peer);
+        self
     }
 
     fn ask(&mut self, task: Task) -> Result<Answer, ExecError> {
@@ -102,6 +109,22 @@ impl<L: Link> Worker for RemoteWorker<L> {
             _ => Err(self.other_answer()),
         }
     }
+
+    fn add_sums(&mut self, first: u32, sums: &[PixelSums]) -> Result<(), ExecError> {
+        self.have_done(Task::AddSums(first, sums.to_vec()))
+    }
+
+    fn peer(&self) -> Option<Peer> {
+        self.peer
+    }
+
+    fn give_film(&mut self, to: Peer, pixels: u32) -> Result<(), ExecError> {
+        self.have_done(Task::GiveFilm(to, pixels))
+    }
+
+    fn take_film(&mut self, from: Peer, pixels: u32) -> Result<(), ExecError> {
+        self.have_done(Task::TakeFilm(from, pixels))
+    }
 }
 
 impl<L: Link> Drop for RemoteWorker<L> {
@@ -112,16 +135,65 @@ impl<L: Link> Drop for RemoteWorker<L> {
     }
 }
 
+/// A way between two workers, seen from one of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Way {
+    /// The other one is given a film.
+    To(Peer),
+    /// The other one gives a film.
+    From(Peer),
+}
+
 /// Has `worker` do what the [`RemoteWorker`] at the other end of the link asks for, until that is
-/// dropped. If the worker fails, the other side is told, and does without it.
+/// dropped. If the worker fails, the other side is told, and does without it. `connect` opens links
+/// to other workers, for those that have a [peer](RemoteWorker::with_peer).
 ///
 /// # Errors
 /// If the link fails, or brings what is no order.
-pub fn serve(worker: &mut dyn Worker, link: &mut dyn Link) -> Result<(), String> {
+pub fn serve(
+    worker: &mut dyn Worker,
+    link: &mut dyn Link,
+    connect: &dyn Fn(Way) -> Box<dyn Link>,
+) -> Result<(), String> {
     loop {
         let order = read_order(&link.receive()?).ok_or("an order that cannot be read")?;
-        let Order::Do(task) = order else { return Ok(()) };
-        let report = work(worker, task).map(|(answer, ..)| answer);
-        link.send(write_report(&report.map_err(|error| error.to_string())))?;
+        let report = match order {
+            Order::End => return Ok(()),
+            Order::Do(Task::GiveFilm(to, pixels)) => {
+                give_film(worker, connect(Way::To(to)).as_mut(), pixels).map(|()| Answer::Done)
+            }
+            Order::Do(Task::TakeFilm(from, pixels)) => {
+                take_film(worker, connect(Way::From(from)).as_mut(), pixels).map(|()| Answer::Done)
+            }
+            Order::Do(task) => {
+                let done = work(worker, task).map(|(answer, ..)| answer);
+                done.map_err(|error| error.to_string())
+            }
+        };
+        link.send(write_report(&report))?;
     }
+}
+
+/// Sends a worker's film over `link`, or that it cannot be had.
+fn give_film(worker: &mut dyn Worker, link: &mut dyn Link, pixels: u32) -> Result<(), String> {
+    for ranks in pieces(pixels) {
+        let report = worker.take_sums(ranks).map(Answer::Sums).map_err(|error| error.to_string());
+        link.send(write_report(&report))?;
+        report?;
+    }
+    Ok(())
+}
+
+/// Adds the film that comes over `link` to that of a worker.
+fn take_film(worker: &mut dyn Worker, link: &mut dyn Link, pixels: u32) -> Result<(), String> {
+    for ranks in pieces(pixels) {
+        match read_report(&link.receive()?) {
+            Some(Ok(Answer::Sums(sums))) if sums.len() == ranks.len() => {
+                worker.add_sums(ranks.start, &sums).map_err(|error| error.to_string())?;
+            }
+            Some(Err(reason)) => return Err(reason),
+            _ => return Err("another worker sent what is no film".to_owned()),
+        }
+    }
+    Ok(())
 }
