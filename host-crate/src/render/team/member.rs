@@ -1,6 +1,6 @@
 //! A worker in a thread of its own.
 
-use super::{Peer, Worker};
+use super::{FilmTransfer, Peer, Worker};
 use crate::exec::ExecError;
 use crate::render::allocator::Stream;
 use crate::render::round::batch::BatchSize;
@@ -19,8 +19,8 @@ pub(super) enum Task {
     Trace(Vec<Slot>),
     TakeSums(Range<u32>),
     AddSums(u32, Vec<PixelSums>),
-    GiveFilm(Peer, u32),
-    TakeFilm(Peer, u32),
+    GiveFilm(Peer, FilmTransfer),
+    TakeFilm(Peer, FilmTransfer),
 }
 
 /// What came of it.
@@ -43,8 +43,8 @@ pub(super) struct Member {
     pub windows: Vec<Stream>,
     /// The part of the stream that it traces.
     pub part: Option<Range<u32>>,
-    /// Slots of such parts per second, the way to the worker and back included; 1 before the first.
-    pub rate: f64,
+    /// Slots of such parts per second, the way to the worker and back included, once that is known.
+    pub rate: Option<f64>,
     /// Tasks without an answer.
     pub pending: usize,
     /// Why it is to be left out.
@@ -76,7 +76,7 @@ impl Member {
             batch,
             windows: Vec::new(),
             part: None,
-            rate: 1.0,
+            rate: None,
             pending: 0,
             failed: None,
             tasks,
@@ -163,7 +163,7 @@ impl Member {
     fn record(&mut self, (answer, slots, elapsed): (Answer, u32, Duration)) -> Answer {
         self.pending -= 1;
         if let Answer::Traced(_) = answer {
-            self.rate = f64::from(slots) / elapsed.as_secs_f64().max(1e-9);
+            self.rate = Some(f64::from(slots) / elapsed.as_secs_f64().max(1e-9));
         } else if slots > 0 {
             tracing::trace!("{}: {slots} slots of a window in {elapsed:.1?}", self.name);
             self.batch.record(slots, elapsed);
@@ -191,12 +191,12 @@ pub(super) fn work(worker: &mut dyn Worker, task: Task) -> Result<(Answer, u32, 
             worker.add_sums(first, &sums)?;
             (Answer::Done, 0)
         }
-        Task::GiveFilm(to, pixels) => {
-            worker.give_film(to, pixels)?;
+        Task::GiveFilm(to, transfer) => {
+            worker.give_film(to, transfer)?;
             (Answer::Done, 0)
         }
-        Task::TakeFilm(from, pixels) => {
-            worker.take_film(from, pixels)?;
+        Task::TakeFilm(from, transfer) => {
+            worker.take_film(from, transfer)?;
             (Answer::Done, 0)
         }
     };

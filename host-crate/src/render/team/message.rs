@@ -4,8 +4,8 @@
 //! where that is cheap: slots are sent as runs, since those of a pixel are numbered one after the
 //! other, and of sums the words that are 0 are left out, which most of their high ones are.
 
-use super::Peer;
 use super::member::{Answer, Task};
+use super::{FilmTransfer, Peer};
 use crate::render::allocator::Stream;
 use rayon::prelude::*;
 use raystream_shaders::film::Contribution;
@@ -57,9 +57,11 @@ pub(super) fn write_order(order: &Order) -> Vec<u8> {
             );
             words
         }
-        Order::Do(Task::GiveFilm(to, pixels)) => vec![GIVE_FILM, to.process, to.worker, *pixels],
-        Order::Do(Task::TakeFilm(from, pixels)) => {
-            vec![TAKE_FILM, from.process, from.worker, *pixels]
+        Order::Do(Task::GiveFilm(to, FilmTransfer { pixels, number })) => {
+            vec![GIVE_FILM, to.process, to.worker, *pixels, *number]
+        }
+        Order::Do(Task::TakeFilm(from, FilmTransfer { pixels, number })) => {
+            vec![TAKE_FILM, from.process, from.worker, *pixels, *number]
         }
         Order::End => vec![END],
     };
@@ -83,8 +85,12 @@ pub(super) fn read_order(bytes: &[u8]) -> Option<Order> {
         (ADD_SUMS, [first, sums @ ..]) => {
             Task::AddSums(*first, read_sums(bytemuck::cast_slice(sums))?)
         }
-        (GIVE_FILM, &[process, worker, pixels]) => Task::GiveFilm(Peer { process, worker }, pixels),
-        (TAKE_FILM, &[process, worker, pixels]) => Task::TakeFilm(Peer { process, worker }, pixels),
+        (GIVE_FILM, &[process, worker, pixels, number]) => {
+            Task::GiveFilm(Peer { process, worker }, FilmTransfer { pixels, number })
+        }
+        (TAKE_FILM, &[process, worker, pixels, number]) => {
+            Task::TakeFilm(Peer { process, worker }, FilmTransfer { pixels, number })
+        }
         (END, []) => return Some(Order::End),
         _ => return None,
     };
@@ -275,7 +281,8 @@ mod tests {
     #[test]
     fn damaged_messages_are_refused() {
         let slots = vec![Slot { rank: 1, sample: 2 }; 3];
-        let give = Task::GiveFilm(Peer { process: 1, worker: 2 }, 3);
+        let give =
+            Task::GiveFilm(Peer { process: 1, worker: 2 }, FilmTransfer { pixels: 3, number: 4 });
         for task in [Task::BeginRound(1), Task::Trace(slots), Task::TakeSums(1..2), give] {
             let bytes = write_order(&Order::Do(task));
             for length in 0..bytes.len() {

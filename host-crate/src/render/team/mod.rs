@@ -18,6 +18,7 @@
 //! A worker that fails is left out from then on. What it was doing, and what it had not handed over,
 //! the render's own device does again.
 
+mod hand_over;
 mod local;
 mod member;
 mod message;
@@ -34,7 +35,6 @@ use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::film::sums::PixelSums;
 use std::ops::Range;
-use std::time::Instant;
 
 /// Somebody who traces for a render, on another device or in another process.
 pub trait Worker: Send {
@@ -79,22 +79,22 @@ pub trait Worker: Send {
         None
     }
 
-    /// Sends its film, of `pixels` pixels, to another worker, which [takes](Self::take_film) it. Its
-    /// own is zero from then on.
+    /// Sends its film to another worker, which [takes](Self::take_film) it. Its own is zero from then
+    /// on.
     ///
     /// # Errors
     /// If it fails, or has no way there.
-    fn give_film(&mut self, _to: Peer, _pixels: u32) -> Result<(), ExecError> {
+    fn give_film(&mut self, _to: Peer, _transfer: FilmTransfer) -> Result<(), ExecError> {
         let reason = "it has no way to other workers".to_owned();
         Err(ExecError::Worker { name: self.name(), reason })
     }
 
-    /// Adds another worker's film, of `pixels` pixels, to its own.
+    /// Adds another worker's film to its own.
     ///
     /// # Errors
     /// If it or the other one fails, or there is no way.
-    fn take_film(&mut self, from: Peer, pixels: u32) -> Result<(), ExecError> {
-        self.give_film(from, pixels)
+    fn take_film(&mut self, from: Peer, transfer: FilmTransfer) -> Result<(), ExecError> {
+        self.give_film(from, transfer)
     }
 }
 
@@ -105,6 +105,16 @@ pub struct Peer {
     pub process: u32,
     /// Which of that process's workers it is.
     pub worker: u32,
+}
+
+/// A film that one worker gives and another one takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilmTransfer {
+    /// Pixels of the film.
+    pub pixels: u32,
+    /// The number of the transfer, which no other one has: what is left of one that failed is taken
+    /// for no other.
+    pub number: u32,
 }
 
 /// The workers of a render.
@@ -128,11 +138,12 @@ const WINDOWS_AT_ONCE: usize = 4;
 /// Windows that a worker may have in its film and not handed over: what is to be done again if it
 /// is lost.
 const KEPT_WINDOWS: usize = 1 << 12;
-/// Pixels that are handed over at once.
-const PIXELS_AT_ONCE: u32 = 1 << 18;
 /// Adaptive streams that are shared to find out how fast that is: workers' speeds are those of the
 /// streams before.
 const TRIES: u32 = 4;
+/// Speed of a worker's first part, as a share of that of the render's own device: much slower ones
+/// do not hold it up for long, and the part is long enough to say how fast they are.
+const FIRST_RATE: f64 = 1.0 / 16.0;
 
 impl Team {
     /// Adds a worker.
@@ -200,10 +211,12 @@ impl Team {
     }
 
     /// Cuts a stream of `slots` into parts in proportion to speeds, in slots per second: that of the
-    /// render's own device, which has the speed `own`, and one for each worker.
+    /// render's own device, which has the speed `own`, and one for each worker. Where a worker's is
+    /// not known, its part is one that says it.
     pub fn cut(&self, slots: u32, own: f64) -> Vec<Range<u32>> {
-        let all = own + self.members.iter().map(|member| member.rate).sum::<f64>();
-        let mut left: f64 = self.members.iter().map(|member| member.rate).sum();
+        let rate = |member: &Member| member.rate.unwrap_or(own * FIRST_RATE);
+        let mut left: f64 = self.members.iter().map(rate).sum();
+        let all = own + left;
         let place = |left: f64| (f64::from(slots) * (1.0 - left / all)) as u32;
         let aligned = |place: u32| place / WINDOW_ALIGNMENT * WINDOW_ALIGNMENT;
         // The render's own part is never empty.
@@ -211,7 +224,7 @@ impl Team {
         let mut parts = Vec::with_capacity(1 + self.members.len());
         parts.push(0..first);
         for (index, member) in self.members.iter().enumerate() {
-            left -= member.rate;
+            left -= rate(member);
             let is_last = index + 1 == self.members.len();
             let start = parts[index].end;
             let end = if is_last { slots } else { aligned(place(left)).max(start) };
@@ -247,78 +260,6 @@ impl Team {
         traced
     }
 
-    /// Waits for all workers and takes over what is in their films: `add` is given a range of ranks
-    /// and its sums. Of those that are lost, [`Self::take_lost`] has what is to be done again.
-    ///
-    /// # Errors
-    /// Those of `add`.
-    pub fn hand_over(
-        &mut self,
-        pixels: u32,
-        mut add: impl FnMut(Range<u32>, &[PixelSums]) -> Result<(), ExecError>,
-    ) -> Result<(), ExecError> {
-        self.add_up(pixels);
-        let mut result = Ok(());
-        self.for_each(|member| {
-            if member.windows.is_empty() {
-                return Ok(());
-            }
-            let start = Instant::now();
-            member.wait()?;
-            let waited = start.elapsed();
-            // All of it is here before any of it is added: a worker is lost as a whole or not.
-            let sums: Vec<_> = pieces(pixels)
-                .map(|ranks| Ok((ranks.clone(), member.take_sums(ranks)?)))
-                .collect::<Result<_, ExecError>>()?;
-            let read = start.elapsed();
-            for (ranks, sums) in sums {
-                if result.is_ok() {
-                    result = add(ranks, &sums);
-                }
-            }
-            let (windows, name, all) = (member.windows.len(), &member.name, start.elapsed());
-            tracing::debug!(
-                "{name} handed over {windows} windows: waited {waited:.1?}, read {:.1?}, added {:.1?}",
-                read - waited,
-                all - read
-            );
-            member.windows.clear();
-            Ok(())
-        });
-        result
-    }
-
-    /// Has workers that can reach each other add up their films, two and two at the same time, until
-    /// one of them has all. If one of two fails, what both had is to be done again.
-    fn add_up(&mut self, pixels: u32) {
-        let start = Instant::now();
-        for step in 1.. {
-            let members = self.members.iter().enumerate();
-            let ready = members.filter(|(_, member)| !member.windows.is_empty());
-            let ready: Vec<_> =
-                ready.filter_map(|(index, member)| Some((index, member.peer?))).collect();
-            let pairs = ready.as_chunks::<2>().0;
-            if pairs.is_empty() {
-                return;
-            }
-            for &[(taker, to), (giver, from)] in pairs {
-                self.members[giver].have_done(Task::GiveFilm(to, pixels));
-                self.members[taker].have_done(Task::TakeFilm(from, pixels));
-            }
-            for &[(taker, _), (giver, _)] in pairs {
-                let gave = self.members[giver].finish();
-                let windows = std::mem::take(&mut self.members[giver].windows);
-                self.members[taker].windows.extend(windows);
-                if !self.members[taker].finish() || !gave {
-                    self.members[taker].give_up("it has not all of another worker's film");
-                }
-            }
-            self.for_each(|_| Ok(()));
-            let (count, elapsed) = (pairs.len(), start.elapsed());
-            tracing::debug!("step {step}: {count} workers gave others their films, {elapsed:.1?}");
-        }
-    }
-
     /// Windows that are to be done again.
     pub fn take_lost(&mut self) -> Vec<Stream> {
         std::mem::take(&mut self.lost)
@@ -342,12 +283,6 @@ impl Team {
             false
         });
     }
-}
-
-/// The ranges of ranks that are handed over at once.
-fn pieces(pixels: u32) -> impl Iterator<Item = Range<u32>> {
-    let starts = (0..pixels).step_by(PIXELS_AT_ONCE as usize);
-    starts.map(move |start| start..pixels.min(start + PIXELS_AT_ONCE))
 }
 
 #[cfg(test)]
@@ -392,7 +327,7 @@ mod tests {
         let mut team = Team::default();
         for rate in [1e6, 3e6, 2e6] {
             team.add(Box::new(Idle));
-            team.members.last_mut().expect("it was added").rate = rate;
+            team.members.last_mut().expect("it was added").rate = Some(rate);
         }
         for (slots, own) in [(8_000_000, 2e6), (1 << 22, 1e3), (1000, 2e6), (1, 1.0), (65, 1e9)] {
             let parts = team.cut(slots, own);

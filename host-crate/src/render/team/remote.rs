@@ -3,9 +3,10 @@
 //! Both sides speak over a [`Link`]: here is a [`RemoteWorker`], there [`serve`] has a worker do
 //! what it is told. Each order has one answer, so that at most one message is under way.
 
+use super::hand_over::pieces;
 use super::member::{Answer, Task, work};
-use super::message::{Order, read_order, read_report, write_order, write_report};
-use super::{Peer, Stream, Worker, pieces};
+use super::message::{Order, Report, read_order, read_report, write_order, write_report};
+use super::{FilmTransfer, Peer, Stream, Worker};
 use crate::exec::ExecError;
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
@@ -118,12 +119,12 @@ impl<L: Link> Worker for RemoteWorker<L> {
         self.peer
     }
 
-    fn give_film(&mut self, to: Peer, pixels: u32) -> Result<(), ExecError> {
-        self.have_done(Task::GiveFilm(to, pixels))
+    fn give_film(&mut self, to: Peer, transfer: FilmTransfer) -> Result<(), ExecError> {
+        self.have_done(Task::GiveFilm(to, transfer))
     }
 
-    fn take_film(&mut self, from: Peer, pixels: u32) -> Result<(), ExecError> {
-        self.have_done(Task::TakeFilm(from, pixels))
+    fn take_film(&mut self, from: Peer, transfer: FilmTransfer) -> Result<(), ExecError> {
+        self.have_done(Task::TakeFilm(from, transfer))
     }
 }
 
@@ -159,11 +160,12 @@ pub fn serve(
         let order = read_order(&link.receive()?).ok_or("an order that cannot be read")?;
         let report = match order {
             Order::End => return Ok(()),
-            Order::Do(Task::GiveFilm(to, pixels)) => {
-                give_film(worker, connect(Way::To(to)).as_mut(), pixels).map(|()| Answer::Done)
+            Order::Do(Task::GiveFilm(to, transfer)) => {
+                give_film(worker, connect(Way::To(to)).as_mut(), transfer).map(|()| Answer::Done)
             }
-            Order::Do(Task::TakeFilm(from, pixels)) => {
-                take_film(worker, connect(Way::From(from)).as_mut(), pixels).map(|()| Answer::Done)
+            Order::Do(Task::TakeFilm(from, transfer)) => {
+                take_film(worker, connect(Way::From(from)).as_mut(), transfer)
+                    .map(|()| Answer::Done)
             }
             Order::Do(task) => {
                 let done = work(worker, task).map(|(answer, ..)| answer);
@@ -175,19 +177,27 @@ pub fn serve(
 }
 
 /// Sends a worker's film over `link`, or that it cannot be had.
-fn give_film(worker: &mut dyn Worker, link: &mut dyn Link, pixels: u32) -> Result<(), String> {
+fn give_film(
+    worker: &mut dyn Worker,
+    link: &mut dyn Link,
+    FilmTransfer { pixels, number }: FilmTransfer,
+) -> Result<(), String> {
     for ranks in pieces(pixels) {
         let report = worker.take_sums(ranks).map(Answer::Sums).map_err(|error| error.to_string());
-        link.send(write_report(&report))?;
+        link.send([&number.to_ne_bytes()[..], &write_report(&report)].concat())?;
         report?;
     }
     Ok(())
 }
 
 /// Adds the film that comes over `link` to that of a worker.
-fn take_film(worker: &mut dyn Worker, link: &mut dyn Link, pixels: u32) -> Result<(), String> {
+fn take_film(
+    worker: &mut dyn Worker,
+    link: &mut dyn Link,
+    FilmTransfer { pixels, number }: FilmTransfer,
+) -> Result<(), String> {
     for ranks in pieces(pixels) {
-        match read_report(&link.receive()?) {
+        match receive_of(link, number)? {
             Some(Ok(Answer::Sums(sums))) if sums.len() == ranks.len() => {
                 worker.add_sums(ranks.start, &sums).map_err(|error| error.to_string())?;
             }
@@ -196,4 +206,85 @@ fn take_film(worker: &mut dyn Worker, link: &mut dyn Link, pixels: u32) -> Resul
         }
     }
     Ok(())
+}
+
+/// The next report of a transfer. What is there of others, which have failed, is left out.
+fn receive_of(link: &mut dyn Link, number: u32) -> Result<Option<Report>, String> {
+    loop {
+        let message = link.receive()?;
+        let Some((own, report)) = message.split_first_chunk() else { return Ok(None) };
+        if u32::from_ne_bytes(*own) == number {
+            return Ok(read_report(report));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::VecDeque;
+
+    /// A link that brings what it is sent.
+    #[derive(Default)]
+    struct Loop(VecDeque<Vec<u8>>);
+
+    impl Link for Loop {
+        fn send(&mut self, message: Vec<u8>) -> Result<(), String> {
+            self.0.push_back(message);
+            Ok(())
+        }
+
+        fn receive(&mut self) -> Result<Vec<u8>, String> {
+            self.0.pop_front().ok_or_else(|| "nothing is left".to_owned())
+        }
+    }
+
+    /// A film of two pixels.
+    struct Two([u32; 2]);
+
+    impl Worker for Two {
+        fn name(&self) -> String {
+            "two pixels".to_owned()
+        }
+
+        fn capacity(&self) -> u32 {
+            64
+        }
+
+        fn begin_round(&mut self, _: u32) -> Result<(), ExecError> {
+            Ok(())
+        }
+
+        fn sample(&mut self, _: &Stream) -> Result<(), ExecError> {
+            Ok(())
+        }
+
+        fn trace(&mut self, _: &[Slot]) -> Result<Vec<Contribution>, ExecError> {
+            Ok(Vec::new())
+        }
+
+        fn take_sums(&mut self, _: Range<u32>) -> Result<Vec<PixelSums>, ExecError> {
+            let counts = std::mem::take(&mut self.0);
+            let sums = |rays| PixelSums { rays, ..PixelSums::default() };
+            Ok(counts.map(sums).to_vec())
+        }
+
+        fn add_sums(&mut self, _: u32, sums: &[PixelSums]) -> Result<(), ExecError> {
+            self.0.iter_mut().zip(sums).for_each(|(own, sums)| *own += sums.rays);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn what_a_failed_transfer_left_is_taken_for_no_other() {
+        let mut link = Loop::default();
+        let transfer = |number| FilmTransfer { pixels: 2, number };
+        give_film(&mut Two([100, 100]), &mut link, transfer(7)).unwrap();
+        let mut giver = Two([1, 2]);
+        give_film(&mut giver, &mut link, transfer(8)).unwrap();
+        let mut taker = Two([10, 20]);
+        take_film(&mut taker, &mut link, transfer(8)).unwrap();
+        assert_eq!((giver.0, taker.0), ([0, 0], [11, 22]));
+        assert!(take_film(&mut taker, &mut link, transfer(9)).is_err());
+    }
 }
