@@ -4,8 +4,9 @@ use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::{Device, ExecError, Executor};
 use raystream::render::allocator::Stream;
 use raystream::render::{
-    AllocatorKind, Budget, Checkpoint, Estimator, FilterKind, IntegratorKind, LocalWorker,
-    PreparedScene, Renderer, Sampling, Settings, Worker, run,
+    AllocatorKind, Budget, Checkpoint, Estimator, FilterKind, IntegratorKind, Link, LocalWorker,
+    Peer, PreparedScene, RemoteWorker, Renderer, Sampling, Settings, Timings, Way, Worker, run,
+    serve,
 };
 use raystream::scene::FilmSize;
 use raystream_shaders::film::Contribution;
@@ -13,7 +14,12 @@ use raystream_shaders::film::stream::Slot;
 use raystream_shaders::film::sums::PixelSums;
 use raystream_tests::statistics::assert_same_expectation;
 use raystream_tests::{prepare, scenes, with_gpu};
+use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::thread;
+use std::time::Duration;
 
 const SAMPLES: u32 = 40;
 
@@ -160,6 +166,11 @@ impl Worker for Failing {
         self.count()?;
         self.inner.take_sums(ranks)
     }
+
+    fn add_sums(&mut self, first: u32, sums: &[PixelSums]) -> Result<(), ExecError> {
+        self.count()?;
+        self.inner.add_sums(first, sums)
+    }
 }
 
 /// Whenever a worker is lost, nothing is: what it was to do is done again.
@@ -196,4 +207,171 @@ fn a_gpu_and_the_cpu_render_together() {
         assert!(together.samples().iter().all(|&samples| samples == 256));
         assert_same_expectation(&together, &alone, "a GPU and the CPU");
     });
+}
+
+/// One end of a link within this process, which breaks after a number of messages.
+struct Channel {
+    outbox: Sender<Vec<u8>>,
+    inbox: Receiver<Vec<u8>>,
+    left: u32,
+}
+
+impl Channel {
+    fn pair(left: u32) -> (Self, Self) {
+        let (near_outbox, far_inbox) = channel();
+        let (far_outbox, near_inbox) = channel();
+        let near = Self { outbox: near_outbox, inbox: near_inbox, left };
+        (near, Self { outbox: far_outbox, inbox: far_inbox, left: u32::MAX })
+    }
+}
+
+impl Link for Channel {
+    fn send(&mut self, message: Vec<u8>) -> Result<(), String> {
+        self.left = self.left.checked_sub(1).ok_or("it was to break")?;
+        self.outbox.send(message).map_err(|_| "nobody is there".to_owned())
+    }
+
+    fn receive(&mut self) -> Result<Vec<u8>, String> {
+        // A worker that is gone keeps another one waiting.
+        self.inbox.recv_timeout(PATIENCE).map_err(|_| "nobody is there".to_owned())
+    }
+}
+
+/// Longer than any worker here takes for anything.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// The ways between workers, by who gives and who takes, which one of them has opened.
+#[derive(Clone, Default)]
+struct Ways(Arc<Mutex<HashMap<(Peer, Peer), Channel>>>);
+
+impl Ways {
+    fn open(&self, own: Peer, way: Way) -> Box<dyn Link> {
+        let ends = match way {
+            Way::To(other) => (own, other),
+            Way::From(other) => (other, own),
+        };
+        let mut ways = self.0.lock().unwrap();
+        let there = ways.remove(&ends);
+        Box::new(there.unwrap_or_else(|| {
+            let (near, far) = Channel::pair(u32::MAX);
+            ways.insert(ends, far);
+            near
+        }))
+    }
+}
+
+/// A worker at the other end of a link, in a thread of its own.
+fn remote(worker: Box<dyn Worker>, left: u32) -> Box<dyn Worker> {
+    Box::new(remote_one(worker, left, Peer { process: 0, worker: 0 }, Ways::default()))
+}
+
+fn remote_one(
+    mut worker: Box<dyn Worker>,
+    left: u32,
+    own: Peer,
+    ways: Ways,
+) -> RemoteWorker<Channel> {
+    let (near, mut far) = Channel::pair(left);
+    let (name, capacity) = (worker.name(), worker.capacity());
+    thread::spawn(move || serve(worker.as_mut(), &mut far, &|way| ways.open(own, way)));
+    RemoteWorker::new(near, name, capacity)
+}
+
+/// Workers at the other ends of links, which can reach each other.
+fn connected(workers: Vec<Box<dyn Worker>>, left: u32) -> Vec<Box<dyn Worker>> {
+    let ways = Ways::default();
+    let connect = |(process, worker): (u32, Box<dyn Worker>)| {
+        let peer = Peer { process, worker: 0 };
+        // The second one is lost after a while.
+        let left = if process == 1 { left } else { u32::MAX };
+        let worker = remote_one(worker, left, peer, ways.clone()).with_peer(peer);
+        Box::new(worker) as Box<dyn Worker>
+    };
+    (0..).zip(workers).map(connect).collect()
+}
+
+/// Workers that give each other their films; at any moment one of them may be lost.
+#[test]
+fn films_that_workers_add_up_are_that_of_one_device() {
+    for number in [1, 7] {
+        let (name, settings, scene) = cases().swap_remove(number);
+        let job = (&scene, &settings);
+        let alone = rendered(CpuExecutor, job, Vec::new());
+        for count in 1..=5 {
+            let workers = (0..count).map(|_| worker(CpuExecutor, job)).collect();
+            let together = rendered(CpuExecutor, job, connected(workers, u32::MAX));
+            assert_same(&together, &alone, &format!("{name}, {count} workers"));
+        }
+        for left in 0..9 {
+            let workers = (0..4).map(|_| worker(CpuExecutor, job)).collect();
+            let together = rendered(CpuExecutor, job, connected(workers, left));
+            assert_same(&together, &alone, &format!("{name}, {left} messages before the loss"));
+        }
+        for left in 0..9 {
+            let mut workers: Vec<_> = (0..4).map(|_| worker(CpuExecutor, job)).collect();
+            let index = left as usize % 4;
+            let inner = std::mem::replace(&mut workers[index], worker(CpuExecutor, job));
+            workers[index] = Box::new(Failing { inner, left });
+            let together = rendered(CpuExecutor, job, connected(workers, u32::MAX));
+            assert_same(&together, &alone, &format!("{name}, worker {index} fails after {left}"));
+        }
+    }
+}
+
+#[test]
+fn the_film_of_workers_behind_links_is_that_of_one_device() {
+    for (name, settings, scene) in cases() {
+        let job = (&scene, &settings);
+        let alone = rendered(CpuExecutor, job, Vec::new());
+        let workers = (0..2).map(|_| remote(worker(CpuExecutor, job), u32::MAX)).collect();
+        assert_same(&rendered(CpuExecutor, job, workers), &alone, name);
+        for left in [0, 1, 3, 8] {
+            let workers = vec![
+                remote(worker(CpuExecutor, job), left),
+                remote(worker(CpuExecutor, job), u32::MAX),
+            ];
+            let together = rendered(CpuExecutor, job, workers);
+            assert_same(&together, &alone, &format!("{name}, a link breaks after {left}"));
+        }
+    }
+}
+
+/// A worker that fails at the other end is left out like one that fails here.
+#[test]
+fn failures_come_through_links() {
+    let (name, settings, scene) = cases().swap_remove(1);
+    let job = (&scene, &settings);
+    let alone = rendered(CpuExecutor, job, Vec::new());
+    for left in [0, 2, 5] {
+        let failing = Failing { inner: worker(CpuExecutor, job), left };
+        let workers = vec![remote(Box::new(failing), u32::MAX)];
+        assert_same(&rendered(CpuExecutor, job, workers), &alone, name);
+    }
+}
+
+/// A round that workers trace alone changes the film like any other: errors are estimated anew.
+#[test]
+fn estimates_follow_rounds_that_workers_trace_alone() {
+    let (_, settings, scene) = cases().swap_remove(1);
+    let sampling = Sampling { noise: Some(1e-6), ..settings.sampling };
+    let settings = Settings { sampling, ..settings };
+    let mut alone = Renderer::new(CpuExecutor, &scene, &settings).unwrap();
+    let mut together = Renderer::new(CpuExecutor, &scene, &settings).unwrap();
+    together.add_worker(worker(CpuExecutor, (&scene, &settings)));
+    let mut seen = Vec::new();
+    for _ in 0..3 {
+        alone.uniform_round(6).finish().unwrap();
+        let mut round = together.uniform_round(6);
+        let batch = round.next_batch().unwrap().unwrap();
+        assert_eq!(batch.paths, 6 * 37 * 23);
+        assert_eq!(batch.timings, Timings::default(), "the render's own device has traced nothing");
+        round.finish().unwrap();
+        let [convergence, expected] = [&mut together, &mut alone].map(|renderer| {
+            assert!(!renderer.has_converged().unwrap());
+            renderer.convergence()
+        });
+        assert_eq!(convergence, expected);
+        seen.push(expected);
+    }
+    assert!(seen[0] != seen[1] && seen[1] != seen[2], "{seen:?}");
 }

@@ -20,7 +20,20 @@ const WITH_PICTURE: u8 = 2;
 /// It is the second, and ends the program.
 const INTERRUPTED_ONCE: u8 = 3;
 
-/// From now on signals do what this module says.
+/// From now on signals do nothing: another process says when this one ends.
+///
+/// # Errors
+/// If the system does not allow it.
+pub fn ignore() -> Result<(), CliError> {
+    ctrlc::set_handler(|| ())?;
+    Ok(())
+}
+
+/// From now on the first signal has a render finish and write what it has, if it has anything, and
+/// the second one ends the program at once.
+///
+/// # Errors
+/// If the system does not allow it.
 pub fn catch() -> Result<(), CliError> {
     ctrlc::set_handler(|| {
         let order = Ordering::SeqCst;

@@ -5,6 +5,7 @@ use raystream::film::Film;
 use raystream::image::{Format, check_writable, written_file};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Writes a line to stdout. A reader that has gone away (`| head`) is not an error.
 pub fn print_line(line: &str) -> io::Result<()> {
@@ -15,9 +16,24 @@ pub fn print_line(line: &str) -> io::Result<()> {
     }
 }
 
+/// Whether what the program says is said by another process.
+static IS_SILENT: AtomicBool = AtomicBool::new(false);
+
+/// From now on [`say`] says nothing: another process does.
+pub fn silence() {
+    IS_SILENT.store(true, Ordering::Relaxed);
+}
+
 /// Writes a line to stderr if anyone still reads it: `eprintln!` would panic, and a render be lost
-/// for a message.
+/// for a message. Not after [`silence`].
 pub fn say(line: &str) {
+    if !IS_SILENT.load(Ordering::Relaxed) {
+        complain(line);
+    }
+}
+
+/// Writes a line to stderr likewise, in any case.
+pub fn complain(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 

@@ -12,22 +12,24 @@ use super::frames::{self, Frames};
 use super::hints::with_hint;
 use super::interrupt;
 use super::options::{DeviceArguments, DisplayArguments, SettingsArguments, parse_seconds};
-use super::output::{self, is_png, is_same_file, rate};
+use super::output::{self, is_png, is_same_file};
+use super::processes::{Helper, Identity, Processes};
 use super::progress::ProgressDisplay;
+use super::rendered::{Rendered, stop_name};
 use super::sampling::{SamplingArguments, describe};
 use clap::Args;
-use glam::Vec3;
 use raystream::exec::device::Device;
+use raystream::exec::{ExecError, Executor};
 use raystream::film::Film;
 use raystream::film_file::{Command, FilmFile, Header, kernels_digest, scene_digest};
 use raystream::image;
-use raystream::render::estimator::{EstimateBuffers, Noise};
+use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
-    Budget, FilterKind, LocalWorker, Outcome, PreparedScene, Renderer, Settings, Split, Stop,
-    run_watched,
+    Budget, FilterKind, LocalWorker, PreparedScene, Renderer, Settings, Split, Worker, run_watched,
 };
 use raystream::scene::{DEFAULT_SCENE, FilmSize};
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -41,7 +43,7 @@ pub struct RenderArguments {
     /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be
     /// given several times [default: the scene's name with .png].
     #[arg(short, long, value_name = "FILE")]
-    pub output: Vec<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
     /// Samples per pixel on average over the pixels [default: 64, or as many as --time or --noise
     /// take].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
@@ -75,9 +77,9 @@ pub struct RenderArguments {
     png_layers: bool,
     /// Say nothing but warnings and errors.
     #[arg(short, long)]
-    pub quiet: bool,
+    pub(crate) quiet: bool,
     #[command(flatten)]
-    pub checkpoints: CheckpointArguments,
+    pub(crate) checkpoints: CheckpointArguments,
     /// Render these frames one after the other: 1-240, or every tenth, 1-240x10. The number of a
     /// frame takes the place of #### in the names of the scene, the pictures and the film file, and
     /// is added to the seed.
@@ -105,11 +107,6 @@ const MAX_STEM: usize = 60;
 /// Samples per pixel where nothing is asked for.
 const DEFAULT_SAMPLES: u32 = 64;
 
-/// What to say of a picture without any light.
-const BLACK: &str = "the picture is black: no path met light that shines towards it. A quad shines \
-    on the side of cross(u, v), an emissive material on the front of its triangles; a lamp may be \
-    turned away, or behind a wall, or the camera may be enclosed.";
-
 /// A render that goes on from a film file.
 pub struct Resumed {
     /// How it goes on.
@@ -119,8 +116,14 @@ pub struct Resumed {
 }
 
 /// Renders a scene, or each frame of one, and writes the pictures.
-pub fn run(mut arguments: RenderArguments, given: &Given) -> Result<Ending, CliError> {
-    let Some(frames) = arguments.frames.take() else { return go_on(&arguments, given, None) };
+pub fn run(
+    mut arguments: RenderArguments,
+    given: &Given,
+    processes: &dyn Processes,
+) -> Result<Ending, CliError> {
+    let Some(frames) = arguments.frames.take() else {
+        return go_on(&arguments, given, None, processes);
+    };
     arguments.check_frames()?;
     let seed = arguments.settings.seed();
     let patterns: Vec<PathBuf> = arguments.paths().map(|path| path.clone()).collect();
@@ -132,7 +135,7 @@ pub fn run(mut arguments: RenderArguments, given: &Given) -> Result<Ending, CliE
         arguments.settings.show_at(arguments.fps.map(|rate| frames::time(frame, rate)));
         arguments.frame = Some(frame);
         arguments.say(&format!("frame {frame}"));
-        if let Ending::Interrupted = go_on(&arguments, given, None)
+        if let Ending::Interrupted = go_on(&arguments, given, None, processes)
             .map_err(|error| format!("frame {frame}: {}", with_hint(error.as_ref())))?
         {
             return Ok(Ending::Interrupted);
@@ -146,6 +149,7 @@ pub fn go_on(
     arguments: &RenderArguments,
     given: &Given,
     from: Option<&Resumed>,
+    processes: &dyn Processes,
 ) -> Result<Ending, CliError> {
     interrupt::begin_render();
     if arguments.checkpoints.checkpoint.is_some() && arguments.scene == Path::new("-") {
@@ -157,7 +161,9 @@ pub fn go_on(
     }
     let scene = arguments.settings.load_scene(&arguments.scene, arguments.quiet)?;
     let outputs = arguments.outputs(&scene.name);
-    arguments.check_files(&outputs)?;
+    if !processes.is_helper() {
+        arguments.check_files(&outputs)?;
+    }
     let (device, others) = arguments.device.open_all()?;
     let mut settings = Settings {
         sampling: arguments.sampling.sampling(),
@@ -179,23 +185,17 @@ pub fn go_on(
     let name = scene.name.clone();
     let prepared = arguments.settings.prepare(scene, arguments.quiet)?;
     arguments.fall_back_on_large_films(&device, &mut settings);
-    let (device, others) = (&device, others.as_slice());
-    let job = Job { arguments, from, device, others, on, prepared: &prepared, settings, name };
-    let rendered = job.render()?;
-    arguments.say(&summary(&rendered));
-    for line in shortcomings(&rendered, settings.sampling.noise) {
-        output::say(&line);
+    let kinds = std::iter::once(&device).chain(&others).map(|device| device.name().to_owned());
+    let kinds = kinds.collect();
+    let (prepared, device, others) = (&prepared, &device, others.as_slice());
+    let mut job = Job { arguments, from, device, others, on, kinds, prepared, settings, name };
+    if processes.is_helper() {
+        processes.serve(&job.identity(), job.workers()?)?;
+        return Ok(Ending::Done);
     }
-    let Rendered { film, outcome, .. } = &rendered;
-    if outcome.paths > 0 && film.radiance.iter().all(|pixel| pixel.sum() == Vec3::ZERO) {
-        output::say(&format!("warning: {BLACK}"));
-    }
-    if let Some(filter) = settings.denoise {
-        arguments.say(&format!("filtered the picture ({filter})"));
-    }
-    arguments.write(&outputs, film, &job.picture_header(&rendered))?;
-    rendered.kept?;
-    Ok(if rendered.outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
+    let helpers = processes.workers(&job.identity())?;
+    job.name_helpers(&helpers);
+    job.write(&outputs, job.render(helpers)?)
 }
 
 /// What to call devices that render together: of one kind, they make the film of one of them.
@@ -216,32 +216,64 @@ struct Job<'a> {
     others: &'a [Device],
     /// What they are called.
     on: String,
+    /// What kinds of devices they are: those of one kind make the same film.
+    kinds: BTreeSet<String>,
     prepared: &'a PreparedScene,
     settings: Settings,
     /// Of the scene.
     name: String,
 }
 
-/// What came of it.
-struct Rendered {
-    film: Film,
-    outcome: Outcome,
-    /// What is left in the picture; none where errors are not estimated.
-    noise: Option<Noise>,
-    /// Whether the film file could be written at the end.
-    kept: Result<(), CliError>,
-}
-
 impl Job<'_> {
-    fn render(&self) -> Result<Rendered, CliError> {
+    /// The settings of the part that is rendered.
+    fn settings(&self) -> Settings {
+        settings_of_part(self.settings, self.arguments.checkpoints.part)
+    }
+
+    /// What processes that render it together must have in common.
+    fn identity(&self) -> Identity {
+        Identity {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            kernels: kernels_digest(),
+            scene: scene_digest(self.prepared),
+            settings: in_words(&self.settings()),
+        }
+    }
+
+    /// All devices as workers, for a render of another process.
+    fn workers(&self) -> Result<Vec<Box<dyn Worker>>, ExecError> {
+        let devices = std::iter::once(self.device).chain(self.others);
+        devices.map(|device| self.worker(device)).collect()
+    }
+
+    fn worker(&self, device: &Device) -> Result<Box<dyn Worker>, ExecError> {
+        let worker = LocalWorker::new(device.clone(), self.prepared, &self.settings())?;
+        Ok(Box::new(worker))
+    }
+
+    /// Says who else renders, and counts the kinds of devices that this process has not.
+    fn name_helpers(&mut self, helpers: &[Helper]) {
+        let kinds: BTreeSet<String> = helpers.iter().map(|helper| helper.device.clone()).collect();
+        if !helpers.is_empty() {
+            let (count, kinds) = (helpers.len(), Vec::from_iter(kinds.clone()).join(", "));
+            self.arguments.say(&format!("and on {count} of other processes: {kinds}"));
+        }
+        for kind in kinds {
+            if self.kinds.insert(kind.clone()) {
+                self.on = format!("{}, {kind}", self.on);
+            }
+        }
+    }
+
+    fn render(&self, helpers: Vec<Helper>) -> Result<Rendered, CliError> {
         let part = self.arguments.checkpoints.part;
-        let settings = settings_of_part(self.settings, part);
+        let settings = self.settings();
         let mut keeper = self.keeper()?;
         let mut renderer = Renderer::new(self.device, self.prepared, &settings)?;
         for other in self.others {
-            let worker = LocalWorker::new(other.clone(), self.prepared, &settings)?;
-            renderer.add_worker(Box::new(worker));
+            renderer.add_worker(self.worker(other)?);
         }
+        helpers.into_iter().for_each(|helper| renderer.add_worker(helper.worker));
         if let Some(Resumed { film, .. }) = self.from {
             renderer.restore(&film.checkpoint)?;
             let samples = renderer.paths() as f64 / f64::from(renderer.pixels());
@@ -277,7 +309,7 @@ impl Job<'_> {
             scene: self.name.clone(),
             scene_digest: scene_digest(self.prepared),
             settings: in_words(settings),
-            device: self.on.clone(),
+            device: Vec::from_iter(self.kinds.clone()).join(", "),
             part: *part,
             merged: film.map(|film| film.merged.clone()).unwrap_or_default(),
             command: self.command()?,
@@ -318,6 +350,21 @@ impl Job<'_> {
             }
         }
         Ok(command)
+    }
+
+    /// Says how it went, and writes the pictures.
+    fn write(&self, outputs: &[PathBuf], rendered: Rendered) -> Result<Ending, CliError> {
+        let arguments = self.arguments;
+        arguments.say(&rendered.summary());
+        for warning in rendered.shortcomings(self.settings.sampling.noise) {
+            output::say(&format!("warning: {warning}"));
+        }
+        if let Some(filter) = self.settings.denoise {
+            arguments.say(&format!("filtered the picture ({filter})"));
+        }
+        arguments.write(outputs, &rendered.film, &self.picture_header(&rendered))?;
+        rendered.kept?;
+        Ok(if rendered.outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
     }
 
     /// Seconds that the render took before.
@@ -467,62 +514,6 @@ impl RenderArguments {
             }
         }
         written
-    }
-}
-
-fn summary(rendered: &Rendered) -> String {
-    let Rendered { film, outcome, noise, .. } = rendered;
-    let seconds = outcome.elapsed.as_secs_f64().max(1e-9);
-    let error = noise.map_or_else(String::new, |noise| {
-        format!(", estimated error {:.2} %", 100.0 * noise.relative_error)
-    });
-    format!(
-        "{}{} samples per pixel in {seconds:.2} s: {}samples/s, {}rays/s{error}",
-        if outcome.interrupted() { "interrupted after " } else { "" },
-        output::average_samples(film),
-        rate(outcome.paths as f64 / seconds),
-        rate(outcome.rays as f64 / seconds)
-    )
-}
-
-/// What the picture lacks of what was asked for, a sentence each.
-fn shortcomings(rendered: &Rendered, wanted: Option<f32>) -> Vec<String> {
-    let Rendered { film, outcome, noise, .. } = rendered;
-    let mut lines = Vec::new();
-    let unseen = film.radiance.iter().filter(|pixel| pixel.samples() == 0).count();
-    if unseen > 0 {
-        lines.push(format!(
-            "warning: {unseen} of {} pixels have no sample and are black: the render ended before \
-             its first look at them; give it more --time or a smaller --size",
-            film.radiance.len()
-        ));
-    }
-    if let (Some(wanted), Some(noise)) = (wanted, noise)
-        && outcome.stop != Stop::Noise
-    {
-        let first = match outcome.stop {
-            Stop::Samples => "--spp came first",
-            Stop::Time => "--time came first",
-            Stop::Noise | Stop::Interrupted => "it was interrupted",
-        };
-        lines.push(format!(
-            "warning: the error that --noise asks for, {:.2} %, was not reached: {first}; {} of {} \
-             pixels are above it",
-            100.0 * wanted,
-            noise.unconverged,
-            film.radiance.len()
-        ));
-    }
-    lines
-}
-
-/// What a picture's header calls the end of its render.
-fn stop_name(stop: Stop) -> &'static str {
-    match stop {
-        Stop::Samples => "samples",
-        Stop::Time => "time",
-        Stop::Noise => "noise",
-        Stop::Interrupted => "interrupted",
     }
 }
 

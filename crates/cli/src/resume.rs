@@ -5,6 +5,7 @@ use super::command;
 use super::effects::Given;
 use super::ending::{CliError, Ending};
 use super::options::parse_seconds;
+use super::processes::Processes;
 use super::render::{self, RenderArguments, Resumed};
 use super::sampling::parse_noise;
 use clap::Args;
@@ -52,7 +53,11 @@ const RENDER: &str = "render";
 pub type Parse = fn(&[String]) -> Result<(RenderArguments, Given), String>;
 
 /// Goes on with a render.
-pub fn run(arguments: &ResumeArguments, parse: Parse) -> Result<Ending, CliError> {
+pub fn run(
+    arguments: &ResumeArguments,
+    parse: Parse,
+    processes: &dyn Processes,
+) -> Result<Ending, CliError> {
     let film = FilmFile::read(&arguments.film)?;
     let path = absolute(&arguments.film)?;
     let outputs = arguments.output.iter().map(|output| absolute(output));
@@ -69,7 +74,7 @@ pub fn run(arguments: &ResumeArguments, parse: Parse) -> Result<Ending, CliError
     if !outputs.is_empty() {
         render.output = outputs;
     }
-    render::go_on(&render, &given, Some(&Resumed { command, film }))
+    render::go_on(&render, &given, Some(&Resumed { command, film }), processes)
 }
 
 impl ResumeArguments {

@@ -34,5 +34,5 @@ pub use settings::pixel_filter::{PixelFilter, PixelFilterShape};
 pub use settings::reconstruction::FilterKind;
 pub use settings::sampling::{AllocatorKind, Sampling, Split};
 pub use settings::{IntegratorKind, Settings, Techniques};
-pub use team::{LocalWorker, Worker};
+pub use team::{FilmTransfer, Link, LocalWorker, Peer, RemoteWorker, Way, Worker, serve};
 pub use timings::{Part, Timings};

@@ -113,4 +113,8 @@ where
         self.run(&cleared.collect::<Vec<_>>())?;
         Ok(sums)
     }
+
+    fn add_sums(&mut self, first: u32, sums: &[PixelSums]) -> Result<(), ExecError> {
+        self.state.film.add_ranks(&self.state.executor, first, sums)
+    }
 }

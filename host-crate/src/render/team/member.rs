@@ -1,6 +1,6 @@
 //! A worker in a thread of its own.
 
-use super::Worker;
+use super::{FilmTransfer, Peer, Worker};
 use crate::exec::ExecError;
 use crate::render::allocator::Stream;
 use crate::render::round::batch::BatchSize;
@@ -18,6 +18,9 @@ pub(super) enum Task {
     Sample(Stream),
     Trace(Vec<Slot>),
     TakeSums(Range<u32>),
+    AddSums(u32, Vec<PixelSums>),
+    GiveFilm(Peer, FilmTransfer),
+    TakeFilm(Peer, FilmTransfer),
 }
 
 /// What came of it.
@@ -34,13 +37,14 @@ type Result<T> = std::result::Result<T, ExecError>;
 pub(super) struct Member {
     pub name: String,
     pub capacity: u32,
+    pub peer: Option<Peer>,
     pub batch: BatchSize,
     /// Windows under way and in its film.
     pub windows: Vec<Stream>,
     /// The part of the stream that it traces.
     pub part: Option<Range<u32>>,
-    /// Slots of such parts per second, the way to the worker and back included; 1 before the first.
-    pub rate: f64,
+    /// Slots of such parts per second, the way to the worker and back included, once that is known.
+    pub rate: Option<f64>,
     /// Tasks without an answer.
     pub pending: usize,
     /// Why it is to be left out.
@@ -52,7 +56,7 @@ pub(super) struct Member {
 impl Member {
     /// Starts its thread, which ends with the member or when the worker fails.
     pub fn new(mut worker: Box<dyn Worker>) -> Self {
-        let (name, capacity) = (worker.name(), worker.capacity());
+        let (name, capacity, peer) = (worker.name(), worker.capacity(), worker.peer());
         let (tasks, inbox) = channel();
         let (outbox, answers) = channel();
         thread::spawn(move || {
@@ -68,10 +72,11 @@ impl Member {
         Self {
             name,
             capacity,
+            peer,
             batch,
             windows: Vec::new(),
             part: None,
-            rate: 1.0,
+            rate: None,
             pending: 0,
             failed: None,
             tasks,
@@ -83,6 +88,27 @@ impl Member {
     pub fn send(&mut self, task: Task) -> Result<()> {
         self.pending += 1;
         self.tasks.send(task).map_err(|_| self.is_gone())
+    }
+
+    /// Gives it a task; if it is gone, it is to be left out.
+    pub fn have_done(&mut self, task: Task) {
+        if let Err(error) = self.send(task) {
+            self.failed = Some(error);
+        }
+    }
+
+    /// Waits until it has done all its tasks. Returns whether it has; else it is to be left out.
+    pub fn finish(&mut self) -> bool {
+        if self.failed.is_none() {
+            self.failed = self.wait().err();
+        }
+        self.failed.is_none()
+    }
+
+    /// Has it be left out, if it is not to be already.
+    pub fn give_up(&mut self, reason: &str) {
+        let (name, reason) = (self.name.clone(), reason.to_owned());
+        self.failed.get_or_insert(ExecError::Worker { name, reason });
     }
 
     /// Receives the answers that are there.
@@ -137,7 +163,7 @@ impl Member {
     fn record(&mut self, (answer, slots, elapsed): (Answer, u32, Duration)) -> Answer {
         self.pending -= 1;
         if let Answer::Traced(_) = answer {
-            self.rate = f64::from(slots) / elapsed.as_secs_f64().max(1e-9);
+            self.rate = Some(f64::from(slots) / elapsed.as_secs_f64().max(1e-9));
         } else if slots > 0 {
             tracing::trace!("{}: {slots} slots of a window in {elapsed:.1?}", self.name);
             self.batch.record(slots, elapsed);
@@ -150,8 +176,8 @@ impl Member {
     }
 }
 
-/// Does a task.
-fn work(worker: &mut dyn Worker, task: Task) -> Result<(Answer, u32, Duration)> {
+/// Does a task. Returns the answer, and how many slots took how long.
+pub(super) fn work(worker: &mut dyn Worker, task: Task) -> Result<(Answer, u32, Duration)> {
     let start = Instant::now();
     let (answer, slots) = match task {
         Task::BeginRound(number) => worker.begin_round(number).map(|()| (Answer::Done, 0))?,
@@ -161,6 +187,18 @@ fn work(worker: &mut dyn Worker, task: Task) -> Result<(Answer, u32, Duration)> 
         }
         Task::Trace(slots) => (Answer::Traced(worker.trace(&slots)?), slots.len() as u32),
         Task::TakeSums(ranks) => (Answer::Sums(worker.take_sums(ranks)?), 0),
+        Task::AddSums(first, sums) => {
+            worker.add_sums(first, &sums)?;
+            (Answer::Done, 0)
+        }
+        Task::GiveFilm(to, transfer) => {
+            worker.give_film(to, transfer)?;
+            (Answer::Done, 0)
+        }
+        Task::TakeFilm(from, transfer) => {
+            worker.take_film(from, transfer)?;
+            (Answer::Done, 0)
+        }
     };
     Ok((answer, slots, start.elapsed()))
 }

@@ -8,6 +8,8 @@
 //! - **Windows** of pixels, where no errors decide, need nothing but the numbers of their samples. A
 //!   worker fills them, traces them and adds them to a film of its own, one after the other, and
 //!   waits for nobody. Its sums are added to the render's film when somebody wants to look at that.
+//!   Before, workers that can reach each other add up their films two and two, so that the render's
+//!   device has one to add and not one for each.
 //! - **Adaptive streams** are made on the render's device. Each worker is sent a part of the slots,
 //!   in proportion to its speed, and sends the contributions back, for the next round's errors are
 //!   those of them all. That is 24 bytes a slot to and fro, which may take longer than to trace it:
@@ -16,10 +18,14 @@
 //! A worker that fails is left out from then on. What it was doing, and what it had not handed over,
 //! the render's own device does again.
 
+mod hand_over;
 mod local;
 mod member;
+mod message;
+mod remote;
 
 pub use local::LocalWorker;
+pub use remote::{Link, RemoteWorker, Way, serve};
 
 use super::allocator::Stream;
 use super::film::WINDOW_ALIGNMENT;
@@ -29,7 +35,6 @@ use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::film::sums::PixelSums;
 use std::ops::Range;
-use std::time::Instant;
 
 /// Somebody who traces for a render, on another device or in another process.
 pub trait Worker: Send {
@@ -62,6 +67,54 @@ pub trait Worker: Send {
     /// # Errors
     /// If it fails.
     fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError>;
+
+    /// Adds sums to its own film, from a rank on.
+    ///
+    /// # Errors
+    /// If it fails.
+    fn add_sums(&mut self, first: u32, sums: &[PixelSums]) -> Result<(), ExecError>;
+
+    /// Where other workers of the render find it, if workers can send each other their films.
+    fn peer(&self) -> Option<Peer> {
+        None
+    }
+
+    /// Sends its film to another worker, which [takes](Self::take_film) it. Its own is zero from then
+    /// on.
+    ///
+    /// # Errors
+    /// If it fails, or has no way there.
+    fn give_film(&mut self, _to: Peer, _transfer: FilmTransfer) -> Result<(), ExecError> {
+        let reason = "it has no way to other workers".to_owned();
+        Err(ExecError::Worker { name: self.name(), reason })
+    }
+
+    /// Adds another worker's film to its own.
+    ///
+    /// # Errors
+    /// If it or the other one fails, or there is no way.
+    fn take_film(&mut self, from: Peer, transfer: FilmTransfer) -> Result<(), ExecError> {
+        self.give_film(from, transfer)
+    }
+}
+
+/// Where a worker is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Peer {
+    /// Number of its process.
+    pub process: u32,
+    /// Which of that process's workers it is.
+    pub worker: u32,
+}
+
+/// A film that one worker gives and another one takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilmTransfer {
+    /// Pixels of the film.
+    pub pixels: u32,
+    /// The number of the transfer, which no other one has: what is left of one that failed is taken
+    /// for no other.
+    pub number: u32,
 }
 
 /// The workers of a render.
@@ -85,11 +138,12 @@ const WINDOWS_AT_ONCE: usize = 4;
 /// Windows that a worker may have in its film and not handed over: what is to be done again if it
 /// is lost.
 const KEPT_WINDOWS: usize = 1 << 12;
-/// Pixels that are handed over at once.
-const PIXELS_AT_ONCE: u32 = 1 << 18;
 /// Adaptive streams that are shared to find out how fast that is: workers' speeds are those of the
 /// streams before.
 const TRIES: u32 = 4;
+/// Speed of a worker's first part, as a share of that of the render's own device: much slower ones
+/// do not hold it up for long, and the part is long enough to say how fast they are.
+const FIRST_RATE: f64 = 1.0 / 16.0;
 
 impl Team {
     /// Adds a worker.
@@ -157,10 +211,12 @@ impl Team {
     }
 
     /// Cuts a stream of `slots` into parts in proportion to speeds, in slots per second: that of the
-    /// render's own device, which has the speed `own`, and one for each worker.
+    /// render's own device, which has the speed `own`, and one for each worker. Where a worker's is
+    /// not known, its part is one that says it.
     pub fn cut(&self, slots: u32, own: f64) -> Vec<Range<u32>> {
-        let all = own + self.members.iter().map(|member| member.rate).sum::<f64>();
-        let mut left: f64 = self.members.iter().map(|member| member.rate).sum();
+        let rate = |member: &Member| member.rate.unwrap_or(own * FIRST_RATE);
+        let mut left: f64 = self.members.iter().map(rate).sum();
+        let all = own + left;
         let place = |left: f64| (f64::from(slots) * (1.0 - left / all)) as u32;
         let aligned = |place: u32| place / WINDOW_ALIGNMENT * WINDOW_ALIGNMENT;
         // The render's own part is never empty.
@@ -168,7 +224,7 @@ impl Team {
         let mut parts = Vec::with_capacity(1 + self.members.len());
         parts.push(0..first);
         for (index, member) in self.members.iter().enumerate() {
-            left -= member.rate;
+            left -= rate(member);
             let is_last = index + 1 == self.members.len();
             let start = parts[index].end;
             let end = if is_last { slots } else { aligned(place(left)).max(start) };
@@ -184,9 +240,7 @@ impl Team {
         }
         let member = &mut self.members[index];
         member.part = Some(part);
-        if let Err(error) = member.send(Task::Trace(slots)) {
-            member.failed = Some(error);
-        }
+        member.have_done(Task::Trace(slots));
     }
 
     /// Waits for what workers make of the parts that they were given to [trace](Self::trace); there
@@ -200,50 +254,10 @@ impl Team {
             traced.push((part, Some(contributions)));
             Ok(())
         });
+        let slots: usize = traced.iter().map(|(part, _)| part.len()).sum();
+        tracing::debug!("workers traced {slots} slots of an adaptive stream");
         traced.extend(self.lost_parts.drain(..).map(|part| (part, None)));
         traced
-    }
-
-    /// Waits for all workers and takes over what is in their films: `add` is given a range of ranks
-    /// and its sums. Of those that are lost, [`Self::take_lost`] has what is to be done again.
-    ///
-    /// # Errors
-    /// Those of `add`.
-    pub fn hand_over(
-        &mut self,
-        pixels: u32,
-        mut add: impl FnMut(Range<u32>, &[PixelSums]) -> Result<(), ExecError>,
-    ) -> Result<(), ExecError> {
-        let mut result = Ok(());
-        self.for_each(|member| {
-            if member.windows.is_empty() {
-                return Ok(());
-            }
-            let start = Instant::now();
-            member.wait()?;
-            let waited = start.elapsed();
-            // All of it is here before any of it is added: a worker is lost as a whole or not.
-            let pieces = (0..pixels).step_by(PIXELS_AT_ONCE as usize);
-            let ranges = pieces.map(|start| start..pixels.min(start + PIXELS_AT_ONCE));
-            let sums: Vec<_> = ranges
-                .map(|ranks| Ok((ranks.clone(), member.take_sums(ranks)?)))
-                .collect::<Result<_, ExecError>>()?;
-            let read = start.elapsed();
-            for (ranks, sums) in sums {
-                if result.is_ok() {
-                    result = add(ranks, &sums);
-                }
-            }
-            let (windows, name, all) = (member.windows.len(), &member.name, start.elapsed());
-            tracing::debug!(
-                "{name} handed over {windows} windows: waited {waited:.1?}, read {:.1?}, added {:.1?}",
-                read - waited,
-                all - read
-            );
-            member.windows.clear();
-            Ok(())
-        });
-        result
     }
 
     /// Windows that are to be done again.
@@ -302,6 +316,10 @@ mod tests {
         fn take_sums(&mut self, ranks: Range<u32>) -> Result<Vec<PixelSums>, ExecError> {
             Ok(vec![PixelSums::default(); ranks.len()])
         }
+
+        fn add_sums(&mut self, _: u32, _: &[PixelSums]) -> Result<(), ExecError> {
+            Ok(())
+        }
     }
 
     #[test]
@@ -309,7 +327,7 @@ mod tests {
         let mut team = Team::default();
         for rate in [1e6, 3e6, 2e6] {
             team.add(Box::new(Idle));
-            team.members.last_mut().expect("it was added").rate = rate;
+            team.members.last_mut().expect("it was added").rate = Some(rate);
         }
         for (slots, own) in [(8_000_000, 2e6), (1 << 22, 1e3), (1000, 2e6), (1, 1.0), (65, 1e9)] {
             let parts = team.cut(slots, own);
