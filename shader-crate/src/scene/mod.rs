@@ -24,6 +24,7 @@ pub mod bvh;
 pub mod camera;
 pub mod environment;
 pub mod light;
+pub mod looks;
 pub mod media;
 pub mod ray;
 pub mod surface;
