@@ -7,6 +7,7 @@ mod devices;
 mod emission_maps;
 mod environment;
 mod instances;
+mod light_tree;
 mod lvc;
 mod memory;
 mod pixel_filters;

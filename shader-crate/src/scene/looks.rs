@@ -27,8 +27,6 @@ pub struct Looks {
     pub geometric: Vec3,
     /// Of the triangle, packed, or [`NO_TANGENT`].
     pub tangent: u32,
-    /// See [`Surface::mapped_importance`].
-    pub mapped_importance: f32,
 }
 
 impl Looks {
@@ -50,8 +48,7 @@ impl Looks {
             layers = surfaces.layers(triangle.material);
         }
         let (shading, geometric) = (point.normal, point.normal);
-        let (tangent, mapped_importance) = (NO_TANGENT, -1.0);
-        let mut looks = Self { material, layers, shading, geometric, tangent, mapped_importance };
+        let mut looks = Self { material, layers, shading, geometric, tangent: NO_TANGENT };
         if triangle.attributes != NO_ATTRIBUTES {
             let a = surfaces.attributes(triangle.attributes, instance);
             looks.shading = a.normal(hit, point.normal);
@@ -62,7 +59,7 @@ impl Looks {
                 looks.material.reflectance *= colour.truncate();
             }
             if surfaces.abilities.has(TEXTURES) {
-                looks.look_up(surfaces, a.uv(hit), is_principled, triangle.light_importance);
+                looks.look_up(surfaces, a.uv(hit), is_principled);
                 let layers = &looks.layers;
                 if is_principled && layers.normal_map != NO_TEXTURE && a.tangent != NO_TANGENT {
                     let slopes = layers.slopes(&surfaces.textures, a.uv(hit));
@@ -82,7 +79,6 @@ impl Looks {
         surfaces: &SurfaceView<'_, A>,
         uv: Vec2,
         is_principled: bool,
-        light_importance: f32,
     ) {
         let textures = &surfaces.textures;
         if self.material.texture != NO_TEXTURE {
@@ -92,7 +88,6 @@ impl Looks {
             let map = self.layers.emission_map;
             if surfaces.abilities.has(EMISSION_MAPS) && map != NO_TEXTURE {
                 self.material.emission *= textures.sample(map, uv.x, uv.y);
-                self.mapped_importance = light_importance;
             }
             self.layers = self.layers.textured(textures, uv);
         }

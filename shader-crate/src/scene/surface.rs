@@ -3,15 +3,13 @@
 use crate::glam::{UVec4, Vec3, Vec4};
 use crate::math::random::{hash, unit_float};
 use crate::memory::rows::{four_rows, six_rows, three_rows, two_rows};
-use crate::scene::abilities::{
-    ANISOTROPY, Abilities, EMISSION_MAPS, INSTANCES, MEDIA, TEXTURES, VERTEX_COLOURS,
-};
+use crate::scene::abilities::{ANISOTROPY, Abilities, INSTANCES, MEDIA, TEXTURES, VERTEX_COLOURS};
 use crate::scene::bsdf::albedo::{self, AlbedoView};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
 use crate::scene::bvh::BvhView;
 use crate::scene::bvh::instance::{NO_INSTANCE, Place};
-use crate::scene::light::importance;
+use crate::scene::light::tree::Vantage;
 use crate::scene::looks::Looks;
 use crate::scene::media::{Body, Interface, Media, MediaView, Sides};
 use crate::scene::ray::{Clearance, Hit, Ray, SurfacePoint};
@@ -235,8 +233,8 @@ pub struct Surface<'a, F> {
     pub bsdf: Bsdf<'a, F>,
     /// Radiance of the front, linear Rec.709.
     pub emission: Vec3,
-    /// What the triangle is chosen by as a light if a texture says what it emits; else below 0.
-    pub mapped_importance: f32,
+    /// See [`Triangle::light`].
+    pub light: u32,
 }
 
 impl<'a, F: Abilities> Surface<'a, F> {
@@ -250,7 +248,7 @@ impl<'a, F: Abilities> Surface<'a, F> {
         let from_front = ray.direction.dot(point.normal) < 0.0;
         let Looks { material, layers, .. } = &mut looks;
         surfaces.bound(material, layers, triangle.material, from_front, sides);
-        let Looks { material, layers, shading, geometric, tangent, mapped_importance } = looks;
+        let Looks { material, layers, shading, geometric, tangent } = looks;
         let from_outside = ray.direction.dot(shading) < 0.0;
         let grain = surfaces.grain(&layers, tangent, shading);
         let side = if from_outside { 1.0 } else { -1.0 };
@@ -263,18 +261,14 @@ impl<'a, F: Abilities> Surface<'a, F> {
             sides,
             bsdf: material.bsdf(normals, from_outside, layers, albedos, abilities),
             emission: material.emission,
-            mapped_importance,
+            light: triangle.light,
         }
     }
 
-    /// The [`importance`] by which the triangle is chosen as a light.
+    /// The surface as the choice of a light for it sees it.
     #[inline(always)]
-    pub fn light_importance(&self) -> f32 {
-        if self.bsdf.abilities.has(EMISSION_MAPS) && self.mapped_importance >= 0.0 {
-            self.mapped_importance
-        } else {
-            importance(self.emission)
-        }
+    pub fn vantage(&self) -> Vantage {
+        Vantage::new(self.point.position, self.bsdf.normal, self.bsdf.passes_light())
     }
 
     /// What a path is in that leaves in this direction.

@@ -2,7 +2,6 @@
 //! between them; see [`raystream_shaders::scene::bvh::instance`].
 
 use super::bvh::{self, Bvh, BvhQuality};
-use super::emission_maps::MappedEmission;
 use super::geometry::{Geometry, Placed, Shape};
 use super::{append, rows_of, triangles};
 use crate::scene::InvalidScene;
@@ -38,14 +37,15 @@ struct Level {
 }
 
 impl Hierarchies {
-    /// Builds all hierarchies, and notes in `params` what lies where.
+    /// Builds all hierarchies, and notes in `params` what lies where. `marks` are the lights of the
+    /// world's triangles, see [`raystream_shaders::scene::triangle::Triangle::light`], or empty.
     ///
     /// # Errors
     ///
     /// When there are more triangles, those of all instances counted, than can be numbered.
     pub fn build(
         from: &Geometry,
-        mapped: &[Option<MappedEmission>],
+        marks: &[u32],
         quality: BvhQuality,
         params: &mut SceneParams,
     ) -> Result<Self, InvalidScene> {
@@ -60,7 +60,7 @@ impl Hierarchies {
 
         let mut geometry = bvh.nodes;
         let mut planes = triangles::planes(world, &bvh.order);
-        let mut shading = triangles::shading(world, mapped, &bvh.order);
+        let mut shading = triangles::shading(world, marks, &bvh.order);
         let number = |&index: &u32| world.get(index as usize).map_or(0, |found| found.number);
         let mut order: Vec<u32> = bvh.order.iter().map(number).collect();
         let world_entries = order.len() as u32;

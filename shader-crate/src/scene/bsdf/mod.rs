@@ -183,6 +183,12 @@ impl<F: Abilities> Bsdf<'_, F> {
         self.kind.0 == MaterialKind::DIFFUSE.0
     }
 
+    /// Whether light from behind the surface goes on to where the path came from, not by delta
+    /// distributions alone.
+    pub fn passes_light(&self) -> bool {
+        self.is_principled() && self.layers.transmission > 0.0
+    }
+
     fn is_principled(&self) -> bool {
         self.abilities.has(PRINCIPLED) && self.kind.0 == MaterialKind::PRINCIPLED.0
     }
