@@ -71,6 +71,7 @@ class Case:
         self.camera, self.camera_mi = camera or {}, camera_mi or {}
         self.depth = DEPTH
         self.lamp = None
+        self.floor, self.floor_mi = GREY, GREY_MI
 
 
 def rgb(*values):
@@ -129,6 +130,7 @@ def cases(mi, folder):
         {"type": "thinlens", "aperture_radius": 0.15, "focus_distance": 2.5})
     found["sun and sky"] = sun_and_sky(mi, folder)
     found["textured lamp"] = textured_lamp(mi, folder)
+    found["normal map"] = normal_map(mi, folder)
     return found
 
 
@@ -174,8 +176,31 @@ def textured_lamp(mi, folder):
     return case
 
 
+def normal_map(mi, folder):
+    """A floor of white metal with waves in its map of normals, under the sun and the sky."""
+    size = 32
+    place = (np.arange(size) + 0.5) / size * 2 * math.pi
+    normal = np.ones((size, size, 3))
+    normal[..., 0] = 0.1 * np.sin(2 * place)[None] + 0.05 * np.cos(3 * place)[:, None]
+    normal[..., 1] = 0.1 * np.cos(place)[None] * np.sin(2 * place)[:, None]
+    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
+    file = os.path.join(folder, "normal.png")
+    mi.Bitmap(np.round((normal * 0.5 + 0.5) * 65535).astype(np.uint16)).write(file)
+    case = sun_and_sky(mi, folder)
+    roughness = 0.05
+    case.floor = {"type": "principled", "reflectance": [1, 1, 1], "metallic": 1,
+                  "roughness": roughness, "textures": {"normal": {"file": "normal.png"}}}
+    # Theirs darkens where the light grazes the triangle unless it is told not to.
+    case.floor_mi = {"type": "twosided", "bsdf": {
+        "type": "normalmap", "use_shadowing_function": False,
+        "normalmap": {"type": "bitmap", "raw": True, "filename": file},
+        "bsdf": {"type": "roughconductor", "distribution": "ggx", "alpha": roughness**2,
+                 "material": "none"}}}
+    return case
+
+
 def ours(case, folder, raystream, samples, seed):
-    meshes = [{"file": "floor.obj", "material": GREY},
+    meshes = [{"file": "floor.obj", "material": case.floor},
               {"file": "ball.obj", "material": case.ball, "normals": "smooth"}]
     if case.lamp:
         meshes.append({"file": "lamp.obj", "material": case.lamp[0]})
@@ -185,9 +210,12 @@ def ours(case, folder, raystream, samples, seed):
         "meshes": meshes, "integrator": {"max_depth": case.depth, "rr_depth": 5}, **case.light}
     file, picture = os.path.join(folder, "case.json"), os.path.join(folder, "ours.exr")
     json.dump(scene, open(file, "w"))
-    subprocess.run([raystream, "render", file, "--device", "cpu", "--spp", str(samples),
-                    "--allocator", "uniform", "--sampler", "independent", "--seed", str(seed),
-                    "--quiet", "-o", picture], check=True, capture_output=True)
+    done = subprocess.run([
+        raystream, "render", file, "--device", "cpu", "--spp", str(samples), "--allocator",
+        "uniform", "--sampler", "independent", "--seed", str(seed), "--quiet", "-o", picture],
+        capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(done.stderr)
     return picture
 
 
@@ -212,7 +240,7 @@ def theirs(mi, case, folder):
             "film": {"type": "hdrfilm", "width": WIDTH, "height": HEIGHT, "pixel_format": "rgb",
                      "component_format": "float32", "rfilter": {"type": "box"}},
             "sampler": {"type": "independent", "sample_count": 1}},
-        "floor": obj("floor.obj", GREY_MI),
+        "floor": obj("floor.obj", case.floor_mi),
         "ball": obj("ball.obj", case.ball_mi), **case.light_mi}
     if case.lamp:
         black = {"type": "diffuse", "reflectance": rgb(0)}
@@ -251,7 +279,7 @@ def main():
     parser.add_argument("--renders", type=int, default=16)
     parser.add_argument("--variant", default="llvm_ad_rgb")
     parser.add_argument("cases", nargs="*")
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     if arguments.variant.startswith("llvm") and "DRJIT_LIBLLVM_PATH" not in os.environ:
         # The oldest ones that are found first do not know all instructions.
         number = lambda path: int((re.search(r"(\d+)", os.path.basename(path)) or [0, 0])[1])

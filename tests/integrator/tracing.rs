@@ -185,5 +185,6 @@ fn of_lights(count: u32) -> Vec<Case> {
         Case::new("a room under a sky", small(scenes::roofless(glass())), count).scrambled(),
         Case::new("lights without surfaces", small(scenes::punctual(glass())), count),
         Case::new("a lamp that is a picture", small(scenes::picture_lamp(glass())), count),
+        Case::new("many lamps under a sky", small(scenes::many_lamps(glass(), 80)), count),
     ]
 }

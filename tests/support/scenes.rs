@@ -306,3 +306,43 @@ pub fn picture_lamp(ball: Material) -> Scene {
     lamp.texture_coordinates = Some(coordinates.collect());
     scene
 }
+
+/// The [`roofless`] room with `lamps` more, of powers from 1 to 1000, that face any way, and a sun:
+/// every fifth is a point or a spot.
+pub fn many_lamps(ball: Material, lamps: u32) -> Scene {
+    let mut scene = roofless(ball);
+    let shade = |power: f32| Vec3::new(1.0, 0.8, 0.6) * power;
+    for k in 0..lamps {
+        // Points that fill the room evenly, and directions that go around.
+        let part = |step: f32| (k as f32 * step).fract();
+        let place = Vec3::new(part(0.8192), part(0.6711) * 0.9 + 0.05, part(0.5497));
+        let place = place * Vec3::new(2.2, 1.0, 1.8) - Vec3::new(0.45, 0.0, 0.45);
+        let (sin, cos) = (k as f32 * 2.4).sin_cos();
+        let facing = Vec3::new(cos, part(0.38) * 2.0 - 1.2, sin).normalize();
+        let power = 10.0_f32.powf(part(0.2911) * 3.0) * 1e-3;
+        match k % 10 {
+            4 => scene.add_punctual_light(PunctualLight::point(place, shade(power))),
+            9 => scene.add_punctual_light(PunctualLight::Spot {
+                position: place,
+                direction: facing,
+                intensity: shade(power * 3.0),
+                inner_angle: 20.0,
+                outer_angle: if k % 20 == 9 { 40.0 } else { 120.0 },
+            }),
+            _ => {
+                let size = 0.01 + 0.02 * part(0.7548);
+                let [u, v] = facing.any_orthonormal_pair().into();
+                let radiance = shade(power / (size * size));
+                let lamp =
+                    scene.add_material(Material::Emissive { radiance, reflectance: Vec3::ZERO });
+                add_triangle(&mut scene, [place, place + u * size, place + v * size], lamp);
+            }
+        }
+    }
+    scene.add_punctual_light(PunctualLight::Directional {
+        direction: Vec3::new(0.6, -1.0, -0.3),
+        irradiance: Vec3::new(0.3, 0.5, 0.4),
+        angle: 5.0,
+    });
+    scene
+}

@@ -26,17 +26,15 @@ pub struct NextEvent {
 }
 
 impl NextEvent {
-    /// Samples a light for `surface`, by 32 random bits for the `choice` of the light and 64 for
-    /// the `point` on it. The path arrived along `incoming`.
+    /// What a `light` that was sampled for `surface` sends there. The path arrived along
+    /// `incoming`.
     #[inline(always)]
-    pub fn sample(
+    pub fn new(
         scene: &SceneView<'_, impl Abilities>,
         surface: &Surface<'_, impl Abilities>,
         incoming: Vec3,
-        choice: u32,
-        point: [u32; 2],
+        light: LightSample,
     ) -> Self {
-        let light = scene.lights.sample(&surface.point, choice, point);
         let bsdf = surface.bsdf.eval(incoming, light.direction);
         let reaches = light.pdf > 0.0 && bsdf.pdf > 0.0;
         let media = surface.media_towards(light.direction);

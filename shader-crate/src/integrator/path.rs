@@ -13,6 +13,7 @@ use crate::integrator::params::{BSDF_SAMPLING_ALONE, LIGHT_SAMPLING_ALONE, PathP
 use crate::math::power_heuristic;
 use crate::math::random::{BSDF, CHOICES, LIGHT_POINT, RandomNumbers, of_vertex, unit_float};
 use crate::scene::abilities::Abilities;
+use crate::scene::light::tree::Vantage;
 use crate::scene::media::Media;
 use crate::scene::ray::Ray;
 use crate::scene::surface::Surface;
@@ -35,6 +36,8 @@ pub struct Path {
     pub rays: u32,
     /// What the next segment starts in.
     pub media: Media,
+    /// Where a tree chooses lights: [`Vantage::facing`] of where the next segment starts.
+    pub facing: u32,
 }
 
 /// What a path does at the end of a segment.
@@ -92,6 +95,7 @@ impl Path {
             radiance: Vec3::ZERO,
             rays: 0,
             media: scene.surfaces.media_of_camera(),
+            facing: Vantage::NONE.facing,
         }
     }
 
@@ -142,8 +146,8 @@ impl Path {
         let surface = Surface::at(&scene.surfaces, &self.ray, &hit, sides);
         if surface.emits() {
             let cosine = self.ray.direction.dot(surface.point.normal).abs();
-            let light_pdf = scene.lights.pdf_of_hit(surface.light_importance(), hit.t, cosine);
-            let weight = self.found_weight(params, light_pdf);
+            let area_pdf = self.area_pdf(scene, &surface);
+            let weight = self.found_weight(params, area_pdf * hit.t * hit.t / cosine);
             self.radiance += self.throughput * surface.emission * weight;
         }
         if self.depth >= params.max_depth {
@@ -172,6 +176,24 @@ impl Path {
         Bounce { light, goes_on: true }
     }
 
+    /// The density per area with which light sampling would have picked a point on a `surface` that
+    /// emits from where the segment starts.
+    #[inline(always)]
+    fn area_pdf(
+        &self,
+        scene: &SceneView<'_, impl Abilities>,
+        surface: &Surface<'_, impl Abilities>,
+    ) -> f32 {
+        if scene.lights.has_tree() {
+            // The segment starts a little off the surface. That changes the chance by no more than
+            // it changes the distance.
+            let vantage = Vantage { position: self.ray.origin, facing: self.facing };
+            scene.lights.area_pdf_by_tree(&vantage, surface.light)
+        } else {
+            scene.lights.area_pdf(surface.emission, surface.light)
+        }
+    }
+
     /// Weight of light that the last direction ran into, and that light sampling would have found
     /// with the density `light_pdf` per solid angle.
     #[inline(always)]
@@ -187,14 +209,22 @@ impl Path {
 
     /// Next-event estimation: what a sampled point of a light adds to the path here.
     fn sample_light(
-        &self,
+        &mut self,
         params: &PathParams,
         scene: &SceneView<'_, impl Abilities>,
         surface: &Surface<'_, impl Abilities>,
         choice: u32,
         point: [u32; 2],
     ) -> SampledLight {
-        let event = NextEvent::sample(scene, surface, self.ray.direction, choice, point);
+        let lights = &scene.lights;
+        let light = if lights.has_tree() {
+            let vantage = surface.vantage();
+            self.facing = vantage.facing;
+            lights.sample_by_tree(&surface.point, &vantage, choice, point)
+        } else {
+            lights.sample(&surface.point, choice, point)
+        };
+        let event = NextEvent::new(scene, surface, self.ray.direction, light);
         if !event.is_some() {
             return SampledLight::none();
         }

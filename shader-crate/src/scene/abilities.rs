@@ -55,6 +55,9 @@ pub const VERTEX_COLOURS: u32 = 1 << 13;
 /// Principled surfaces are [anisotropic](crate::scene::bsdf::anisotropic).
 pub const ANISOTROPY: u32 = 1 << 14;
 
+/// Lights are chosen by a [tree](crate::scene::light::tree).
+pub const LIGHT_TREE: u32 = 1 << 15;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

@@ -4,7 +4,7 @@
 //! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene | instances
 //! surfaces: triangles, for shading | attributes | materials | lights | albedos of surfaces
 //!           | layers | albedos of boundaries and of sheen, conductors | maps of emission
-//!           | albedos of anisotropic surfaces | colours of vertices | bodies
+//!           | albedos of anisotropic surfaces | colours of vertices | tree of lights | bodies
 //! texels:   textures, see `texture` | environment, see `environment`
 //! ```
 //!
@@ -24,6 +24,7 @@ pub mod bvh;
 pub mod camera;
 pub mod environment;
 pub mod light;
+pub mod looks;
 pub mod media;
 pub mod ray;
 pub mod surface;
@@ -35,6 +36,7 @@ use crate::memory::device_struct;
 use abilities::{Abilities, HOLES, MEDIA};
 use bvh::{BvhView, Order};
 use environment::EnvironmentView;
+use light::tree::LightTree;
 use light::{Light, LightView};
 use media::{Body, Media, MediaView, Sides};
 use ray::{Hit, NO_END, Ray};
@@ -80,10 +82,10 @@ device_struct! {
         /// Row of `surfaces` with the table of [anisotropic](bsdf::anisotropic) surfaces; 0 if there
         /// are none.
         pub first_anisotropic: u32,
+        /// Row of `surfaces` with the [tree of lights](light::tree), or [`light::tree::NO_TREE`].
+        pub first_light_tree: u32,
         /// Unused; zero.
-        pub pad1: u32,
-        /// Unused; zero.
-        pub pad2: u32,
+        pub pad: u32,
     }
 }
 
@@ -139,6 +141,11 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 rows: surfaces,
                 first: params.first_light,
                 count: params.lights,
+                tree: LightTree {
+                    rows: surfaces,
+                    first: params.first_light_tree,
+                    lights: params.lights,
+                },
                 total_importance: params.total_importance,
                 offset_roundings: params.offset_roundings,
                 first_map: params.first_emission_map,

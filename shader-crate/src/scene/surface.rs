@@ -1,27 +1,20 @@
 //! From a hit to what shading needs to know.
 
 use crate::glam::{UVec4, Vec3, Vec4};
-use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::math::random::{hash, unit_float};
 use crate::memory::rows::{four_rows, six_rows, three_rows, two_rows};
-use crate::scene::abilities::{
-    ANISOTROPY, Abilities, EMISSION_MAPS, INSTANCES, MEDIA, PRINCIPLED, TEXTURES, VERTEX_COLOURS,
-};
+use crate::scene::abilities::{ANISOTROPY, Abilities, INSTANCES, MEDIA, TEXTURES, VERTEX_COLOURS};
 use crate::scene::bsdf::albedo::{self, AlbedoView};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
 use crate::scene::bvh::BvhView;
 use crate::scene::bvh::instance::{NO_INSTANCE, Place};
-use crate::scene::light::importance;
+use crate::scene::light::tree::Vantage;
+use crate::scene::looks::Looks;
 use crate::scene::media::{Body, Interface, Media, MediaView, Sides};
 use crate::scene::ray::{Clearance, Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
 use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, NO_COLOURS, Triangle, VertexColours};
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
-
-/// Cosine under which a ray still sees a surface whose map of normals turns it away.
-const JUST_SEEN: f32 = 1e-3;
 
 /// The surfaces of a scene, for those who know what has been hit.
 #[derive(Clone, Copy)]
@@ -103,7 +96,7 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
 
     /// Attributes of a triangle of an instance, or of none, as they are in the world.
     #[inline(always)]
-    fn attributes(&self, index: u32, instance: u32) -> Attributes {
+    pub(super) fn attributes(&self, index: u32, instance: u32) -> Attributes {
         let rows = four_rows(self.rows, self.first_attributes + index * Attributes::ROWS);
         let attributes = Attributes::from_rows(rows);
         if self.abilities.has(INSTANCES) && instance != NO_INSTANCE {
@@ -138,7 +131,7 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
     /// What vertices multiply the colour and the opacity of a triangle's material by, where `hit` is
     /// on it: one with attributes of this number.
     #[inline(always)]
-    fn colour(&self, attributes: u32, hit: &Hit) -> Vec4 {
+    pub(super) fn colour(&self, attributes: u32, hit: &Hit) -> Vec4 {
         if !self.abilities.has(VERTEX_COLOURS) || self.first_colours == NO_COLOURS {
             return Vec4::ONE;
         }
@@ -147,7 +140,7 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
     }
 
     /// What the principled material number `index` has beside [`Self::material`].
-    fn layers(&self, index: u32) -> Layers {
+    pub(super) fn layers(&self, index: u32) -> Layers {
         let first = self.first_albedos + albedo::ROWS + index * Layers::ROWS;
         Layers::from_rows(six_rows(self.rows, first))
     }
@@ -220,7 +213,7 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
         AlbedoView { rows: self.rows, first, anisotropic }
     }
 
-    fn material(&self, index: u32) -> Material {
+    pub(super) fn material(&self, index: u32) -> Material {
         Material::from_rows(three_rows(self.rows, self.first_material + index * Material::ROWS))
     }
 }
@@ -240,8 +233,8 @@ pub struct Surface<'a, F> {
     pub bsdf: Bsdf<'a, F>,
     /// Radiance of the front, linear Rec.709.
     pub emission: Vec3,
-    /// What the triangle is chosen by as a light if a texture says what it emits; else below 0.
-    pub mapped_importance: f32,
+    /// See [`Triangle::light`].
+    pub light: u32,
 }
 
 impl<'a, F: Abilities> Surface<'a, F> {
@@ -251,68 +244,31 @@ impl<'a, F: Abilities> Surface<'a, F> {
         let place = surfaces.bvh.place(hit.triangle);
         let triangle = surfaces.triangle(place.entry);
         let point = surfaces.point(&place, &triangle, ray, hit);
-        let geometric = point.normal;
-        let mut material = surfaces.material(triangle.material);
-        let is_principled =
-            surfaces.abilities.has(PRINCIPLED) && material.kind.0 == MaterialKind::PRINCIPLED.0;
-        let mut layers = Layers::NONE;
-        if is_principled {
-            layers = surfaces.layers(triangle.material);
-        }
-        let mut mapped_importance = -1.0;
-        let mut shading = geometric;
-        let mut tangent = NO_TANGENT;
-        if triangle.attributes != NO_ATTRIBUTES {
-            let a = surfaces.attributes(triangle.attributes, place.instance);
-            (shading, tangent) = (a.normal(hit, geometric), a.tangent);
-            if surfaces.abilities.has(VERTEX_COLOURS) {
-                material.reflectance *= surfaces.colour(triangle.attributes, hit).truncate();
-            }
-            if surfaces.abilities.has(TEXTURES) {
-                let uv = a.uv(hit);
-                if material.texture != NO_TEXTURE {
-                    let map = material.texture;
-                    material.reflectance *= surfaces.textures.reflectance(map, uv.x, uv.y);
-                }
-                if is_principled {
-                    if surfaces.abilities.has(EMISSION_MAPS) && layers.emission_map != NO_TEXTURE {
-                        let map = layers.emission_map;
-                        material.emission *= surfaces.textures.sample(map, uv.x, uv.y);
-                        mapped_importance = triangle.light_importance;
-                    }
-                    layers = layers.textured(&surfaces.textures, uv);
-                    if layers.normal_map != NO_TEXTURE && a.tangent != NO_TANGENT {
-                        let slopes = layers.slopes(&surfaces.textures, uv);
-                        shading = bent(shading, slopes, a.tangent, ray.direction, geometric);
-                    }
-                }
-            }
-        }
-        let from_front = ray.direction.dot(geometric) < 0.0;
-        surfaces.bound(&mut material, &mut layers, triangle.material, from_front, sides);
+        let mut looks = Looks::of(surfaces, ray, hit, &triangle, &point, place.instance);
+        let from_front = ray.direction.dot(point.normal) < 0.0;
+        let Looks { material, layers, .. } = &mut looks;
+        surfaces.bound(material, layers, triangle.material, from_front, sides);
+        let Looks { material, layers, shading, geometric, tangent } = looks;
         let from_outside = ray.direction.dot(shading) < 0.0;
-        let normal = if from_outside { shading } else { -shading };
         let grain = surfaces.grain(&layers, tangent, shading);
+        let side = if from_outside { 1.0 } else { -1.0 };
+        let normals = [shading * side, geometric * side, grain];
         let (albedos, abilities) = (surfaces.albedos(), surfaces.abilities);
         Self {
             point,
             instance: place.instance,
             from_front,
             sides,
-            bsdf: material.bsdf([normal, grain], from_outside, layers, albedos, abilities),
+            bsdf: material.bsdf(normals, from_outside, layers, albedos, abilities),
             emission: material.emission,
-            mapped_importance,
+            light: triangle.light,
         }
     }
 
-    /// The [`importance`] by which the triangle is chosen as a light.
+    /// The surface as the choice of a light for it sees it.
     #[inline(always)]
-    pub fn light_importance(&self) -> f32 {
-        if self.bsdf.abilities.has(EMISSION_MAPS) && self.mapped_importance >= 0.0 {
-            self.mapped_importance
-        } else {
-            importance(self.emission)
-        }
+    pub fn vantage(&self) -> Vantage {
+        Vantage::new(self.point.position, self.bsdf.normal, self.bsdf.passes_light())
     }
 
     /// What a path is in that leaves in this direction.
@@ -326,27 +282,4 @@ impl<'a, F: Abilities> Surface<'a, F> {
     pub fn emits(&self) -> bool {
         self.from_front && self.emission.max_element() > 0.0
     }
-}
-
-/// The shading `normal` with a map's `slopes`: towards the tangent, towards the bitangent, and
-/// along the normal. The side from which a ray along `direction` sees it stays that of the
-/// triangle, whose normal is `geometric`: what would turn away from the ray is bent to where it is
-/// just seen.
-fn bent(normal: Vec3, slopes: Vec3, tangent: u32, direction: Vec3, geometric: Vec3) -> Vec3 {
-    let Tangent { direction: along, is_mirrored } = Tangent::unpack(tangent);
-    let along = along - normal * normal.dot(along);
-    let length = along.length_squared();
-    if length <= 0.0 {
-        return normal;
-    }
-    let along = along / length.sqrt();
-    let across = normal.cross(along);
-    let across = if is_mirrored { -across } else { across };
-    let mapped = (along * slopes.x + across * slopes.y + normal * slopes.z).normalize();
-    let (seen, side) = (mapped.dot(direction), geometric.dot(direction));
-    if seen * side > 0.0 {
-        return mapped;
-    }
-    let least = if side < 0.0 { -JUST_SEEN } else { JUST_SEEN };
-    (mapped + direction * (least - seen)).normalize()
 }

@@ -47,9 +47,10 @@ pub struct Triangle {
     /// The barycentric coordinates of a hit that are 0 on the triangle's own edges: the test is
     /// that of a larger one.
     pub least: f32,
-    /// Where a texture says what the triangle emits: the
-    /// [importance](crate::scene::light::importance) by which it is chosen as a light; else 0.
-    pub light_importance: f32,
+    /// What it is chosen by as a light, if it is one. Where a [tree](crate::scene::light::tree) chooses
+    /// lights: the light's number. Else, where a texture says what it emits, the bits of its
+    /// [importance](crate::scene::light::importance), an f32 above 0; where none does, 0.
+    pub light: u32,
 }
 
 device_struct! {
@@ -176,15 +177,14 @@ impl Triangle {
             narrowness: f32::from_bits(rows[1].x),
             attributes: rows[1].y,
             least: f32::from_bits(rows[1].z),
-            light_importance: float(rows[1]),
+            light: rows[1].w,
         }
     }
 
     /// The two rows.
     pub fn to_rows(&self) -> [UVec4; 2] {
-        let [narrowness, least, light_importance] =
-            [self.narrowness, self.least, self.light_importance].map(f32::to_bits);
-        let rest = UVec4::new(narrowness, self.attributes, least, light_importance);
+        let [narrowness, least] = [self.narrowness, self.least].map(f32::to_bits);
+        let rest = UVec4::new(narrowness, self.attributes, least, self.light);
         [row(self.centroid, self.material), rest]
     }
 

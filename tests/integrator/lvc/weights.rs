@@ -222,7 +222,7 @@ impl Path {
                 from_outside,
             ),
             emission: vertex.material.emission,
-            mapped_importance: -1.0,
+            light: 0,
         }
     }
 

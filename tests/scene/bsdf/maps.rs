@@ -1,12 +1,13 @@
 //! Textures of principled materials: what they multiply, and normals that they bend.
 
-use super::principled::{arriving, met};
-use glam::{Vec2, Vec3};
+use super::principled::{arriving, met, samples};
+use glam::{Quat, Vec2, Vec3};
 use raystream::render::PreparedScene;
 use raystream::scene::{
     BumpMap, Camera, Channel, FilmSize, Maps, Material, Mesh, NormalMap, Principled, Scene, Texels,
     Texture,
 };
+use raystream_shaders::math::random::SOBOL;
 use raystream_tests::prepare;
 
 /// What a code of a byte can round.
@@ -133,4 +134,68 @@ fn no_map_turns_the_seen_side_away() {
             }
         }
     }
+}
+
+/// A floor that is tilted by 45 degrees towards +x, by its map alone.
+fn steep_floor() -> PreparedScene {
+    floor([255, 128, 255, 255], [Vec2::X, Vec2::Y], |texture| Principled {
+        maps: Maps { normal: Some(NormalMap { texture, scale: 1.0 }), ..Maps::default() },
+        ..material()
+    })
+}
+
+/// Directions all around.
+fn directions() -> impl Iterator<Item = Vec3> {
+    (0..400).map(|k| {
+        let (sin, cos) = (k as f32 * 2.4).sin_cos();
+        let z = k as f32 / 199.5 - 1.0;
+        let radius = (1.0 - z * z).max(0.0).sqrt();
+        Vec3::new(radius * cos, radius * sin, z).normalize()
+    })
+}
+
+#[test]
+fn light_passes_no_wall_for_being_above_its_map() {
+    let floor = steep_floor();
+    for is_above in [true, false] {
+        let incoming = arriving(10.0, is_above);
+        let bsdf = met(&floor, incoming);
+        let keeps = |direction: Vec3| direction.z * incoming.z < 0.0;
+        let mut between = 0;
+        for direction in directions() {
+            let is_lit = direction.dot(bsdf.normal) > 0.0;
+            between += u32::from(is_lit && !keeps(direction));
+            let found = bsdf.eval(incoming, direction);
+            assert_eq!(found.pdf > 0.0, is_lit && keeps(direction), "{direction}");
+            assert_eq!(found.weight.max_element() > 0.0, found.pdf > 0.0, "{direction}");
+        }
+        assert!(between > 20, "{between}");
+        let mut left = 0;
+        for sample in samples(bsdf, incoming, SOBOL) {
+            let goes_on = sample.weight.max_element() > 0.0;
+            assert!(!goes_on || keeps(sample.direction), "{}", sample.direction);
+            left += u32::from(goes_on);
+        }
+        assert!(left > 40_000, "{left}");
+    }
+}
+
+#[test]
+fn a_tilted_map_is_a_tilted_floor() {
+    let tilted = steep_floor();
+    let incoming = arriving(10.0, true);
+    let bsdf = met(&tilted, incoming);
+    let to_flat = Quat::from_rotation_arc(bsdf.normal, Vec3::Z);
+    let flat = super::principled::floor(material());
+    let turned = to_flat * incoming;
+    let expected = met(&flat, turned);
+    let mut compared = 0;
+    for direction in directions().filter(|d| d.z > 0.0 && d.dot(bsdf.normal) > 0.01) {
+        let here = bsdf.eval(incoming, direction);
+        let there = expected.eval(turned, to_flat * direction);
+        let (value, wanted) = (here.weight * here.pdf, there.weight * there.pdf);
+        assert!((value - wanted).length() < 1e-4 * wanted.length(), "{value} {wanted}");
+        compared += 1;
+    }
+    assert!(compared > 80, "{compared}");
 }

@@ -12,9 +12,9 @@ use crate::render::film::WINDOW_ALIGNMENT;
 use bytemuck::Zeroable;
 use glam::UVec4;
 use raystream_shaders::integrator::wavefront::WavefrontParams;
-use raystream_shaders::integrator::wavefront::pool::{POOL_ROWS, POOL_ROWS_WITH_MEDIA, Queue};
+use raystream_shaders::integrator::wavefront::pool::{POOL_ROWS, POOL_ROWS_WITH_PLACES, Queue};
 use raystream_shaders::parallel::prefix::BlockParams;
-use raystream_shaders::scene::abilities::MEDIA;
+use raystream_shaders::scene::abilities::{LIGHT_TREE, MEDIA};
 use std::ops::Range;
 
 /// Paths in the pool of `streaming`, at most: enough to fill any GPU, few enough that their states
@@ -74,7 +74,8 @@ impl<B> Wavefront<B> {
         regenerates: bool,
     ) -> Result<Self, ExecError> {
         let fitting = executor.limits().buffer_bytes / size_of::<UVec4>() as u64;
-        let lane_rows = if abilities & MEDIA == 0 { POOL_ROWS } else { POOL_ROWS_WITH_MEDIA };
+        let lane_rows =
+            if abilities & (MEDIA | LIGHT_TREE) == 0 { POOL_ROWS } else { POOL_ROWS_WITH_PLACES };
         let rows_of = |capacity: u32| {
             u64::from(queue_rows(stream, capacity, regenerates))
                 + u64::from(capacity) * u64::from(lane_rows)

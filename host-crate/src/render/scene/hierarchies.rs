@@ -3,7 +3,6 @@
 
 use super::bvh::wide::{Binary, Content};
 use super::bvh::{self, Bvh, BvhQuality};
-use super::emission_maps::MappedEmission;
 use super::geometry::{Geometry, Placed, Shape};
 use super::{append, rows_of, triangles};
 use crate::scene::InvalidScene;
@@ -50,14 +49,15 @@ struct Level {
 }
 
 impl Hierarchies {
-    /// Builds all hierarchies, and notes in `params` what lies where.
+    /// Builds all hierarchies, and notes in `params` what lies where. `marks` are the lights of the
+    /// world's triangles, see [`raystream_shaders::scene::triangle::Triangle::light`], or empty.
     ///
     /// # Errors
     ///
     /// When there are more triangles, those of all instances counted, than can be numbered.
     pub fn build(
         from: &Geometry,
-        mapped: &[Option<MappedEmission>],
+        marks: &[u32],
         quality: BvhQuality,
         params: &mut SceneParams,
     ) -> Result<Self, InvalidScene> {
@@ -72,7 +72,7 @@ impl Hierarchies {
         let mut source = WideSource { hierarchies: Vec::new(), shapes: Vec::new() };
 
         let mut planes = triangles::planes(world, &bvh.order);
-        let mut shading = triangles::shading(world, mapped, &bvh.order);
+        let mut shading = triangles::shading(world, marks, &bvh.order);
         let number = |&index: &u32| world.get(index as usize).map_or(0, |found| found.number);
         let mut order: Vec<u32> = bvh.order.iter().map(number).collect();
         let world_entries = order.len() as u32;

@@ -1,7 +1,9 @@
-//! The table of lights and their choice by power.
+//! The table of lights and their choice, by power or by a tree.
 
+use super::alias_table::alias_table;
 use super::emission_maps::MappedEmission;
 use super::environment::Ball;
+use super::light_tree::{LightTree, Source, boxed};
 use super::scene_triangle::SceneTriangle;
 use super::triangles::Functions;
 use crate::scene::PunctualLight;
@@ -10,7 +12,7 @@ use raystream_shaders::scene::bsdf::Material;
 use raystream_shaders::scene::light::{
     DIRECTION, EmissionMap, Light, MAPPED, POINT, TRIANGLE, area_pdf, importance,
 };
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The lights of a scene.
 pub struct Lights {
@@ -25,11 +27,45 @@ pub struct Lights {
     pub environment_chance: f32,
     /// Largest component of emitted radiance, or of what stands for it; 0 without lights.
     pub brightest: f32,
+    /// What chooses among them in place of the alias table, if that is asked for.
+    pub tree: Option<LightTree>,
 }
+
+/// How paths from the camera choose a light at each vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightChoice {
+    /// By a tree where there are many lights, else by power.
+    #[default]
+    ByNumber,
+    /// By the power of each.
+    Power,
+    /// By what each sends to the vertex at most, which a tree finds.
+    Tree,
+}
+
+impl LightChoice {
+    /// Whether a tree chooses among this many lights, those at infinity left out.
+    pub fn is_tree(self, lights: usize) -> bool {
+        match self {
+            Self::ByNumber => lights >= MANY_LIGHTS,
+            Self::Power => false,
+            Self::Tree => lights > 1,
+        }
+    }
+}
+
+/// So many lights are chosen by a tree.
+const MANY_LIGHTS: usize = 64;
 
 /// Neither what is at infinity nor all other lights together are chosen less often than this: one
 /// may be far stronger and all the same be hidden where the other shines.
 const LEAST_CHANCE: f64 = 0.1;
+
+impl Candidate {
+    fn is_distant(&self) -> bool {
+        self.source.is_none()
+    }
+}
 
 /// What may be a light.
 #[derive(Clone, Copy)]
@@ -42,11 +78,6 @@ pub struct Emitters<'a> {
     pub mapped: &'a [Option<MappedEmission>],
     /// The lights without a surface.
     pub punctual: &'a [PunctualLight],
-    /// A ball around the scene.
-    pub ball: Ball,
-    /// What an environment, if there is one, sends through the scene: as much as triangles do whose
-    /// area times importance is this.
-    pub environment: Option<f64>,
 }
 
 /// A light whose chance is not known yet.
@@ -54,42 +85,95 @@ struct Candidate {
     light: Light,
     /// Flux over pi.
     power: f64,
-    is_distant: bool,
     /// What its radiance is multiplied by at most, linear Rec.709.
     peak: f32,
+    /// What a tree knows of it; nothing at infinity.
+    source: Option<Source>,
 }
 
-/// Finds the lights and builds the alias table of them, the environment last.
-pub fn build(emitters: &Emitters<'_>) -> Lights {
+impl Emitters<'_> {
+    /// What the triangle of this number is chosen by, if it is a light: its importance.
+    fn chosen_by(&self, triangle: usize) -> Option<f32> {
+        let material = &self.materials[self.triangles[triangle].material as usize];
+        let mapped = self.mapped(triangle);
+        let chosen_by = mapped.map_or(importance(material.emission), |mapped| mapped.importance);
+        (material.emits() && (mapped.is_none() || chosen_by > 0.0)).then_some(chosen_by)
+    }
+
+    /// What a texture says of it.
+    fn mapped(&self, triangle: usize) -> Option<MappedEmission> {
+        self.mapped.get(triangle).copied().flatten()
+    }
+
+    /// The triangles that are lights, in order.
+    fn triangles_that_shine(&self) -> impl Iterator<Item = (usize, f32)> {
+        let shining = |triangle| Some((triangle, self.chosen_by(triangle)?));
+        (0..self.triangles.len()).filter_map(shining)
+    }
+
+    fn punctual_that_shine(&self) -> impl Iterator<Item = &PunctualLight> {
+        self.punctual.iter().filter(|light| light.colour().max_element() > 0.0)
+    }
+
+    /// Whether a tree chooses among them by this `choice`.
+    pub fn has_tree(&self, choice: LightChoice) -> bool {
+        let is_near = |light: &&PunctualLight| !matches!(light, PunctualLight::Directional { .. });
+        let punctual = self.punctual_that_shine().filter(is_near).count();
+        choice.is_tree(self.triangles_that_shine().count() + punctual)
+    }
+
+    /// The [light](raystream_shaders::scene::triangle::Triangle::light) of each triangle; none if
+    /// all are 0.
+    pub fn marks(&self, has_tree: bool) -> Vec<u32> {
+        if !has_tree {
+            let mark = |it: &Option<MappedEmission>| it.map_or(0, |it| it.importance.to_bits());
+            return self.mapped.iter().map(mark).collect();
+        }
+        let mut marks = vec![0; self.triangles.len()];
+        for (number, (triangle, _)) in (0..).zip(self.triangles_that_shine()) {
+            marks[triangle] = number;
+        }
+        marks
+    }
+}
+
+/// Finds the lights and builds what chooses among them: the alias table, and the tree if that is
+/// wanted. There is a `ball` around the scene. What an `environment`, if there is one, sends through
+/// it is as much as triangles do whose area times importance is this; it is the last light.
+pub fn build(
+    emitters: &Emitters<'_>,
+    ball: Ball,
+    environment: Option<f64>,
+    has_tree: bool,
+) -> Lights {
     let mut maps = Vec::new();
     let mut candidates = emissive_triangles(emitters, &mut maps);
-    let shining = emitters.punctual.iter().filter(|light| light.colour().max_element() > 0.0);
-    candidates.extend(shining.map(|light| punctual(light, emitters.ball)));
+    candidates.extend(emitters.punctual_that_shine().map(|light| punctual(light, ball)));
     let brightest = candidates
         .iter()
-        .map(|it| it.peak * radiance(&it.light, emitters.ball).max_element())
+        .map(|it| it.peak * radiance(&it.light, ball).max_element())
         .fold(0.0, f32::max);
-    candidates.extend(emitters.environment.map(|power| Candidate {
+    candidates.extend(environment.map(|power| Candidate {
         light: Light::default(),
         power,
-        is_distant: true,
         peak: 1.0,
+        source: None,
     }));
 
     let sum = |distant: bool| -> f64 {
-        candidates.iter().filter(|c| c.is_distant == distant).map(|c| c.power).sum()
+        candidates.iter().filter(|c| c.is_distant() == distant).map(|c| c.power).sum()
     };
     let (near, distant) = (sum(false), sum(true));
     let least = near * LEAST_CHANCE / (1.0 - LEAST_CHANCE);
     let most = near * (1.0 - LEAST_CHANCE) / LEAST_CHANCE;
     let counted = if near > 0.0 { distant.clamp(least, most) } else { distant };
     let weight = |candidate: &Candidate| {
-        if candidate.is_distant { counted * (candidate.power / distant) } else { candidate.power }
+        if candidate.is_distant() { counted * (candidate.power / distant) } else { candidate.power }
     };
     let weights: Vec<f64> = candidates.iter().map(weight).collect();
     let total_importance = weights.iter().sum::<f64>();
     let chance = |weight: f64| (weight / total_importance) as f32;
-    let environment = emitters.environment.and(weights.last().copied());
+    let environment = environment.and(weights.last().copied());
     let columns = alias_table(&weights);
     let table = candidates
         .iter()
@@ -105,6 +189,7 @@ pub fn build(emitters: &Emitters<'_>) -> Lights {
         })
         .collect();
     Lights {
+        tree: if has_tree { tree(&candidates, &weights) } else { None },
         table,
         maps,
         total_importance: total_importance as f32,
@@ -117,13 +202,10 @@ pub fn build(emitters: &Emitters<'_>) -> Lights {
 /// them is added to `maps`.
 fn emissive_triangles(emitters: &Emitters<'_>, maps: &mut Vec<EmissionMap>) -> Vec<Candidate> {
     let mut candidates = Vec::new();
-    for (index, triangle) in emitters.triangles.iter().enumerate() {
+    for (index, chosen_by) in emitters.triangles_that_shine() {
+        let triangle = &emitters.triangles[index];
         let material = &emitters.materials[triangle.material as usize];
-        let mapped = emitters.mapped.get(index).copied().flatten();
-        let chosen_by = mapped.map_or(importance(material.emission), |mapped| mapped.importance);
-        if !material.emits() || mapped.is_some() && chosen_by <= 0.0 {
-            continue;
-        }
+        let mapped = emitters.mapped(index);
         let kind = mapped.map_or(TRIANGLE, |_| MAPPED + maps.len() as u32);
         maps.extend(mapped.map(|mapped| mapped.map));
         let [corner, b, c] = triangle.corners;
@@ -141,7 +223,10 @@ fn emissive_triangles(emitters: &Emitters<'_>, maps: &mut Vec<EmissionMap>) -> V
         };
         let power = area(triangle) * f64::from(chosen_by);
         let peak = mapped.map_or(1.0, |mapped| mapped.peak);
-        candidates.push(Candidate { light, power, is_distant: false, peak });
+        let (low, high) = boxed(&triangle.corners);
+        let (axis, spread) = (functions.normal, 0.0);
+        let source = Some(Source { low, high, axis, spread, intensity: power });
+        candidates.push(Candidate { light, power, peak, source });
     }
     candidates
 }
@@ -162,8 +247,8 @@ fn punctual(light: &PunctualLight, ball: Ball) -> Candidate {
                 ..Light::default()
             },
             power: power_of(4.0 * PI),
-            is_distant: false,
             peak: 1.0,
+            source: Some(source_at(position, Vec3::Z, PI, colour)),
         },
         PunctualLight::Spot { position, direction, inner_angle, outer_angle, .. } => {
             // 1 - cosine.
@@ -181,8 +266,13 @@ fn punctual(light: &PunctualLight, ball: Ball) -> Candidate {
                     ..Light::default()
                 },
                 power: power_of(2.0 * PI * (inner + (outer - inner) / 3.0)),
-                is_distant: false,
                 peak: 1.0,
+                source: Some(source_at(
+                    position,
+                    unit(direction),
+                    (f64::from(outer_angle).to_radians() - FRAC_PI_2).max(0.0),
+                    colour,
+                )),
             }
         }
         PunctualLight::Directional { direction, angle, .. } => Candidate {
@@ -196,10 +286,32 @@ fn punctual(light: &PunctualLight, ball: Ball) -> Candidate {
                 ..Light::default()
             },
             power: power_of(PI * ball.radius_squared()),
-            is_distant: true,
             peak: 1.0,
+            source: None,
         },
     }
+}
+
+/// What a tree knows of a light at a point that shines up to a right angle from what it faces: as
+/// far as `spread`, in radians, from `axis`.
+fn source_at(position: Vec3, axis: Vec3, spread: f64, colour: Vec3) -> Source {
+    let (low, high) = boxed(&[position]);
+    Source { low, high, axis: axis.as_dvec3(), spread, intensity: importance(colour).into() }
+}
+
+/// The tree of lights with these weights, if there are two or more.
+fn tree(candidates: &[Candidate], weights: &[f64]) -> Option<LightTree> {
+    let (mut near, mut distant, mut near_weight) = (Vec::new(), Vec::new(), 0.0);
+    for ((number, candidate), &weight) in (0..).zip(candidates).zip(weights) {
+        match candidate.source {
+            Some(source) => {
+                near.push((number, source));
+                near_weight += weight;
+            }
+            None => distant.push((number, weight)),
+        }
+    }
+    LightTree::new(&near, near_weight, &distant)
 }
 
 /// The least difference of cosines between the two angles of a spot: below, a direction's roundings
@@ -219,77 +331,19 @@ fn area(triangle: &SceneTriangle) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// Columns (threshold out of 2^24, alias) that choose in proportion to `weights`: Vose, "A Linear
-/// Algorithm for Generating Random Numbers with a Given Distribution", IEEE TSE 17(9), 1991.
-fn alias_table(weights: &[f64]) -> Vec<(u32, u32)> {
-    const ONE: f64 = 16_777_216.0;
-    let total: f64 = weights.iter().sum();
-    let mut share: Vec<f64> = weights.iter().map(|w| w / total * weights.len() as f64).collect();
-    let mut columns: Vec<(u32, u32)> =
-        (0..weights.len() as u32).map(|own| (ONE as u32, own)).collect();
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) =
-        (0..share.len()).partition(|&i| share[i] < 1.0);
-    while let (Some(poor), Some(&rich)) = (small.pop(), large.last()) {
-        columns[poor] = ((share[poor] * ONE).round() as u32, rich as u32);
-        share[rich] -= 1.0 - share[poor];
-        if share[rich] < 1.0 {
-            large.pop();
-            small.push(rich);
-        }
-    }
-    columns
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raystream_shaders::scene::abilities::Fixed;
-    use raystream_shaders::scene::environment::{EnvironmentView, NO_ENVIRONMENT};
-    use raystream_shaders::scene::light::LightView;
-    use raystream_shaders::scene::texture::TextureView;
-
-    #[test]
-    fn lights_are_chosen_in_proportion_to_their_weights() {
-        let weights = [1.0, 0.0, 5.0, 0.25, 3.0, 3.0, 1e-3];
-        let lights: Vec<Light> = alias_table(&weights)
-            .into_iter()
-            .map(|(threshold, alias)| Light { threshold, alias, ..Default::default() })
-            .collect();
-        let rows: Vec<glam::UVec4> = bytemuck::pod_collect_to_vec(&lights);
-        let view = LightView {
-            rows: &rows,
-            first: 0,
-            count: lights.len() as u32,
-            first_map: 0,
-            total_importance: 0.0,
-            offset_roundings: 0.0,
-            environment: EnvironmentView::new(&[], NO_ENVIRONMENT),
-            textures: TextureView::new(&[], Fixed),
-            abilities: Fixed::<0>,
-        };
-        // A regular grid of 2^20 numbers, so that the counts are within the number of column ends
-        // of the exact ones.
-        let mut counts = [0_u32; 7];
-        for k in 0..1_u32 << 20 {
-            counts[view.choose(k << 12 | 0x800) as usize] += 1;
-        }
-        let total: f64 = weights.iter().sum();
-        for (&count, weight) in counts.iter().zip(weights) {
-            let expected = weight / total * f64::from(1 << 20);
-            assert!((f64::from(count) - expected).abs() <= 14.0, "{counts:?} for {weights:?}");
-        }
-    }
 
     #[test]
     fn no_lights_make_an_empty_table() {
-        let lights = build(&Emitters {
+        let emitters = Emitters {
             triangles: &[],
             materials: &[],
             mapped: &[],
             punctual: &[PunctualLight::point(Vec3::ZERO, Vec3::ZERO)],
-            ball: Ball::around([].into_iter()),
-            environment: None,
-        });
+        };
+        let lights = build(&emitters, Ball::around([].into_iter()), None, false);
         assert!(lights.table.is_empty());
         assert_eq!((lights.total_importance, lights.brightest), (0.0, 0.0));
     }

@@ -1,6 +1,7 @@
 //! A scene in the layout that the kernels read.
 
 mod albedos;
+mod alias_table;
 mod anisotropic_albedos;
 mod bump_maps;
 pub mod bvh;
@@ -9,6 +10,7 @@ mod emission_maps;
 mod environment;
 mod geometry;
 mod hierarchies;
+mod light_tree;
 mod lights;
 mod materials;
 mod media;
@@ -22,6 +24,7 @@ use self::bvh::BvhQuality;
 use self::environment::{Ball, PackedEnvironment};
 use self::geometry::Corners;
 use self::hierarchies::Hierarchies;
+pub use self::lights::LightChoice;
 use self::lights::{Emitters, Lights};
 use self::materials::Tables;
 use self::media::PackedMedia;
@@ -34,10 +37,11 @@ use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::abilities::{
     ALL, ANISOTROPY, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES,
-    INSTANCES, MEDIA, PRINCIPLED, PUNCTUAL, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
+    INSTANCES, LIGHT_TREE, MEDIA, PRINCIPLED, PUNCTUAL, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
 };
 use raystream_shaders::scene::bsdf::{self, layers::Layers};
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
+use raystream_shaders::scene::light::tree::NO_TREE;
 use raystream_shaders::scene::light::{DIRECTION, Light, POINT};
 use raystream_shaders::scene::media::NO_MEDIA;
 use raystream_shaders::scene::ray::Hit;
@@ -84,6 +88,20 @@ impl PreparedScene {
     ///
     /// When [`Scene::check`] finds something.
     pub fn new(scene: &Scene, quality: BvhQuality) -> Result<Self, RenderError> {
+        Self::choosing_lights(scene, quality, LightChoice::default())
+    }
+
+    /// The same, with lights that paths from the camera choose in this way; `lvc` chooses them by
+    /// power.
+    ///
+    /// # Errors
+    ///
+    /// When [`Scene::check`] finds something.
+    pub fn choosing_lights(
+        scene: &Scene,
+        quality: BvhQuality,
+        choice: LightChoice,
+    ) -> Result<Self, RenderError> {
         scene.check()?;
         let from = geometry::gather(scene);
         let triangles = &from.world.triangles;
@@ -93,20 +111,17 @@ impl PreparedScene {
             emission_maps::of_triangles(scene, triangles, &from.corners.attributes, &textures);
         let Textures { words: mut texels, places } = textures;
         let materials = materials::table(scene, &places);
+        let punctual = &scene.punctual_lights;
+        let emitters = Emitters { triangles, materials: &materials, mapped: &mapped, punctual };
+        let has_tree = emitters.has_tree(choice);
         let mut params = SceneParams { background: scene.background, ..SceneParams::zeroed() };
         let Hierarchies { geometry, shading: mut surfaces, numbers, instances, bounds, source } =
-            Hierarchies::build(&from, &mapped, quality, &mut params)?;
+            Hierarchies::build(&from, &emitters.marks(has_tree), quality, &mut params)?;
         let environment = scene.environment.as_ref().and_then(PackedEnvironment::new);
         let corners = triangles.iter().flat_map(|triangle| triangle.corners);
         let ball = Ball::around(corners.chain(from.corners_of_instances(bounds)));
-        let lights = lights::build(&Emitters {
-            triangles,
-            materials: &materials,
-            mapped: &mapped,
-            punctual: &scene.punctual_lights,
-            ball,
-            environment: environment.as_ref().map(|it| it.power * ball.radius_squared()),
-        });
+        let power = environment.as_ref().map(|it| it.power * ball.radius_squared());
+        let lights = lights::build(&emitters, ball, power, has_tree);
         let mut tables = Tables::new(scene.materials.len() as u32);
         let layers = materials::layered(scene, &normals, &places, &mut tables);
         let media = PackedMedia::new(scene, lights.table.len(), &mut tables);
@@ -230,6 +245,7 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (lights.table.iter().any(is_punctual), PUNCTUAL),
         (!lights.maps.is_empty(), EMISSION_MAPS),
         (params.first_colours != NO_COLOURS, VERTEX_COLOURS),
+        (params.first_light_tree != NO_TREE, LIGHT_TREE),
         (any(Material::has_grain), ANISOTROPY),
     ]
     .into_iter()
@@ -266,6 +282,8 @@ impl Parts<'_> {
         let colours = &self.corners.colours;
         params.first_colours =
             if colours.is_empty() { NO_COLOURS } else { append(surfaces, colours) };
+        let tree = self.lights.tree.as_ref();
+        params.first_light_tree = tree.map_or(NO_TREE, |tree| append(surfaces, &tree.rows()));
     }
 }
 

@@ -1,6 +1,5 @@
 //! The table of triangles, in both of its forms.
 
-use super::emission_maps::MappedEmission;
 use super::scene_triangle::SceneTriangle;
 use glam::{DVec3, UVec4, Vec3, Vec3A};
 use raystream_shaders::math::UNIT_ROUNDOFF;
@@ -22,12 +21,8 @@ pub fn planes(triangles: &[SceneTriangle], order: &[u32]) -> Vec<UVec4> {
 }
 
 /// The rows for shading of the same triangles, as [`raystream_shaders::scene::triangle`] lays them
-/// out; `mapped` is what textures say of each, or empty.
-pub fn shading(
-    triangles: &[SceneTriangle],
-    mapped: &[Option<MappedEmission>],
-    order: &[u32],
-) -> Vec<UVec4> {
+/// out; `marks` are the [lights](Triangle::light) of each, or empty.
+pub fn shading(triangles: &[SceneTriangle], marks: &[u32], order: &[u32]) -> Vec<UVec4> {
     let rows = |&index: &u32| {
         let Some(triangle) = triangles.get(index as usize) else {
             // Of an instance, where nobody looks.
@@ -42,11 +37,7 @@ pub fn shading(
             narrowness: functions.narrowness() as f32,
             attributes,
             least: (enlarged / (1.0 + 3.0 * enlarged)) as f32,
-            light_importance: mapped
-                .get(index as usize)
-                .copied()
-                .flatten()
-                .map_or(0.0, |mapped| mapped.importance),
+            light: marks.get(index as usize).copied().unwrap_or(0),
         }
         .to_rows()
     };

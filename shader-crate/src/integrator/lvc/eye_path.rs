@@ -113,7 +113,7 @@ impl<A: Abilities> EyeTracer<'_, A> {
         let distance = if is_parallel { 1.0 } else { hit.t };
         path.subpath = path.subpath.arrive(distance, arriving);
         if surface.emits() {
-            let light_pdf = self.scene.lights.area_pdf(surface.light_importance());
+            let light_pdf = self.scene.lights.area_pdf(surface.emission, surface.light);
             let weight = emission_weight(&self.samples, &path.subpath, depth, light_pdf, arriving);
             path.radiance += path.throughput * surface.emission * weight;
         }
@@ -172,7 +172,9 @@ impl<A: Abilities> EyeTracer<'_, A> {
         point: [u32; 2],
     ) {
         let incoming = path.ray.direction;
-        let event = NextEvent::sample(&self.scene, surface, incoming, choice, point);
+        // Paths from the lights choose them by power, too.
+        let light = self.scene.lights.sample(&surface.point, choice, point);
+        let event = NextEvent::new(&self.scene, surface, incoming, light);
         if !event.is_some() {
             return;
         }

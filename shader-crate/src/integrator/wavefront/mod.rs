@@ -119,7 +119,7 @@ pub fn trace_queue(
     let mut media = scene.surfaces.media_of_camera();
     let ray = if lane < queue.survivors {
         if has_media {
-            media = pool.media(rows, at(kept, lane));
+            media = pool.start(rows, at(kept, lane)).0;
         }
         pool.segment(rows, at(kept, lane)).0
     } else {
@@ -169,10 +169,12 @@ pub fn shade_queue(
     } else {
         Path::begin(&params.path, scene, slot, &numbers)
     };
-    let has_media = scene.surfaces.has_media();
     let mut sides = Sides::both(path.media);
-    if has_media {
+    if scene.surfaces.has_media() {
         sides = pool.sides(rows, lane);
+    }
+    if survives && scene.lights.has_tree() {
+        path.facing = pool.start(rows, at(kept, lane)).1;
     }
     let encounter = Encounter { hit: pool.hit(rows, lane), sides };
     let bounce = path.shade(&params.path, scene, &numbers, &encounter);
@@ -180,8 +182,8 @@ pub fn shade_queue(
     if bounce.goes_on {
         *goes_on = 1;
         pool.set_path(rows, lane, &path, number);
-        if has_media {
-            pool.set_media(rows, lane, path.media);
+        if scene.surfaces.has_media() || scene.lights.has_tree() {
+            pool.set_start(rows, lane, &path);
         }
     }
     if bounce.goes_on || bounce.light.is_some() {
@@ -254,8 +256,8 @@ pub fn finish_queue(
         } else {
             Path::begin(&params.path, scene, slot, &numbers)
         };
-        if survives && scene.surfaces.has_media() {
-            path.media = pool.media(rows, at(kept, lane));
+        if survives && (scene.surfaces.has_media() || scene.lights.has_tree()) {
+            (path.media, path.facing) = pool.start(rows, at(kept, lane));
         }
         survives = false;
         while path.extend(&params.path, scene, &numbers) {}

@@ -10,6 +10,7 @@ use crate::glam::{UVec4, Vec3};
 use crate::integrator::path::{Path, SampledLight};
 use crate::memory::access::Scatter;
 use crate::memory::soa::{Place, soa};
+use crate::scene::light::tree::Vantage;
 use crate::scene::media::{Media, Sides};
 use crate::scene::ray::{Hit, Ray};
 
@@ -89,10 +90,10 @@ const SHADOW: u32 = ARRIVING + Arriving::ROWS;
 /// Rows of 16 bytes that a pool has for each lane.
 pub const POOL_ROWS: u32 = SHADOW + Shadow::ROWS;
 /// What paths are in, twice as well: what is before the end of the segment and behind it, and, from
-/// where that is shaded on, what the next one starts in.
+/// where that is shaded on, what the next one starts in, and where that faces.
 const AROUND: u32 = POOL_ROWS;
-/// The same where paths know what they are in.
-pub const POOL_ROWS_WITH_MEDIA: u32 = AROUND + 2;
+/// The same where paths know what they are in, or where they face.
+pub const POOL_ROWS_WITH_PLACES: u32 = AROUND + 2;
 
 /// The lanes of the pool that have a path in an iteration.
 #[derive(Clone, Copy)]
@@ -177,8 +178,8 @@ impl Pool {
         (Ray::new(ahead.origin, ahead.direction), ahead.slot)
     }
 
-    /// The path that lane `lane` wrote in the iteration before, but for [what it is
-    /// in](Self::media).
+    /// The path that lane `lane` wrote in the iteration before, but for [where it
+    /// starts](Self::start).
     pub fn path(&self, rows: &Scatter<'_, UVec4>, lane: u32) -> Path {
         let ahead = Ahead::load(rows, self.before(AHEAD, lane));
         let carried = Carried::load(rows, self.before(CARRIED, lane));
@@ -191,11 +192,12 @@ impl Pool {
             radiance: gathered.radiance,
             rays: gathered.rays,
             media: Media::NONE,
+            facing: Vantage::NONE.facing,
         }
     }
 
     /// Writes what a path needs to go on, all but [what it has gathered](Self::set_gathered) and
-    /// [what it is in](Self::set_media).
+    /// [where it starts](Self::set_start).
     pub fn set_path(&self, rows: &mut Scatter<'_, UVec4>, lane: u32, path: &Path, slot: u32) {
         let ahead =
             Ahead { origin: path.ray.origin, pdf: path.pdf, direction: path.ray.direction, slot };
@@ -231,14 +233,16 @@ impl Pool {
         found.store(rows, self.own(FOUND, lane));
     }
 
-    /// What the path is in that lane `lane` wrote in the iteration before.
-    pub fn media(&self, rows: &Scatter<'_, UVec4>, lane: u32) -> Media {
-        Media(rows.get(self.before(AROUND, lane).first).x)
+    /// What the path is in that lane `lane` wrote in the iteration before, and [where it
+    /// faces](Path::facing).
+    pub fn start(&self, rows: &Scatter<'_, UVec4>, lane: u32) -> (Media, u32) {
+        let row = rows.get(self.before(AROUND, lane).first);
+        (Media(row.x), row.y)
     }
 
-    /// Replaces what the path of lane `lane` is in for the iteration after this one.
-    pub fn set_media(&self, rows: &mut Scatter<'_, UVec4>, lane: u32, media: Media) {
-        rows.set(self.own(AROUND, lane).first, UVec4::new(media.0, 0, 0, 0));
+    /// Replaces both for the iteration after this one.
+    pub fn set_start(&self, rows: &mut Scatter<'_, UVec4>, lane: u32, path: &Path) {
+        rows.set(self.own(AROUND, lane).first, UVec4::new(path.media.0, path.facing, 0, 0));
     }
 
     /// What is on the two sides of what the segment of lane `lane` hit.

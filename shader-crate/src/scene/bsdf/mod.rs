@@ -85,12 +85,13 @@ impl Material {
     }
 
     /// The material at a point with this shading `normal`, which is on the side that the path came
-    /// from: `from_outside` says whether that is the front.
+    /// from: `from_outside` says whether that is the front. What `geometric` is, [`Bsdf::geometric`]
+    /// says.
     /// Principled materials have `layers` beside, a grain (see [`Layers::grain`]), and look up
     /// `albedos`. The scene uses no more than `abilities`.
     pub fn bsdf<'a, F: Abilities>(
         &self,
-        [normal, grain]: [Vec3; 2],
+        [normal, geometric, grain]: [Vec3; 3],
         from_outside: bool,
         layers: Layers,
         albedos: AlbedoView<'a>,
@@ -99,6 +100,7 @@ impl Material {
         Bsdf {
             kind: self.kind,
             normal,
+            geometric,
             grain,
             from_outside,
             reflectance: self.reflectance,
@@ -147,6 +149,9 @@ pub struct Bsdf<'a, F> {
     pub kind: MaterialKind,
     /// Shading normal, unit length, on the side of the shading frame that the path came from.
     pub normal: Vec3,
+    /// Unit normal on the same side: that of the triangle where a map of normals bends the shading
+    /// normal, else the shading normal itself.
+    pub geometric: Vec3,
     /// See [`Layers::grain`].
     pub grain: Vec3,
     /// Whether the path came from the front of the shading frame (outside, for a dielectric).
@@ -178,12 +183,27 @@ impl<F: Abilities> Bsdf<'_, F> {
         self.kind.0 == MaterialKind::DIFFUSE.0
     }
 
+    /// Whether light from behind the surface goes on to where the path came from, not by delta
+    /// distributions alone.
+    pub fn passes_light(&self) -> bool {
+        self.is_principled() && self.layers.transmission > 0.0
+    }
+
     fn is_principled(&self) -> bool {
         self.abilities.has(PRINCIPLED) && self.kind.0 == MaterialKind::PRINCIPLED.0
     }
 
     fn eval_principled(&self, incoming: Vec3, direction: Vec3) -> BsdfSample {
+        if !self.keeps_side(direction) {
+            return BsdfSample { direction, weight: Vec3::ZERO, pdf: 0.0, eta: 1.0 };
+        }
         self.principled().eval(self.normal, self.from_outside, incoming, direction)
+    }
+
+    /// Whether `direction` is on the same side of the triangle as of the normal that a map has
+    /// bent. Light must not pass a wall because it is above the bumps that a map feigns.
+    fn keeps_side(&self, direction: Vec3) -> bool {
+        direction.dot(self.normal) * direction.dot(self.geometric) > 0.0
     }
 
     fn principled(&self) -> Principled<'_, F> {
@@ -246,7 +266,7 @@ impl<F: Abilities> Bsdf<'_, F> {
     /// with the directions changed, times the cosine of `sample`, over its density (Veach 1997,
     /// section 3.7.6). Flux that crosses a boundary is not squeezed.
     pub fn weight_of_flux(&self, incoming: Vec3, sample: &BsdfSample) -> Vec3 {
-        if self.is_principled() && sample.pdf > 0.0 {
+        if self.is_principled() && sample.pdf > 0.0 && self.keeps_side(sample.direction) {
             let back = self.eval_back(incoming, sample.direction);
             let here = self.normal.dot(incoming).abs().max(f32::MIN_POSITIVE);
             let there = self.normal.dot(sample.direction).abs();
@@ -260,7 +280,12 @@ impl<F: Abilities> Bsdf<'_, F> {
     /// (`u`) and for the choice of the lobe.
     pub fn sample(&self, incoming: Vec3, u: [f32; 2], lobe: f32) -> BsdfSample {
         if self.is_principled() {
-            return self.principled().sample(self.normal, self.from_outside, incoming, u, lobe);
+            let mut sample =
+                self.principled().sample(self.normal, self.from_outside, incoming, u, lobe);
+            if !self.keeps_side(sample.direction) {
+                sample.weight = Vec3::ZERO;
+            }
+            return sample;
         }
         match self.kind {
             MaterialKind(0) => diffuse::sample(self.reflectance, self.normal, u),

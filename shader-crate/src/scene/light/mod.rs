@@ -1,13 +1,15 @@
-//! Lights, chosen by power: emissive triangles, points, directions and the environment.
+//! Lights: emissive triangles, points, directions and the environment. They are chosen by power, or,
+//! where there are many, by a [tree] for the point that they shine on.
 
 pub mod punctual;
+pub mod tree;
 
 use crate::glam::{UVec4, Vec3};
 use crate::math::random::unit_float;
 use crate::math::wide::{Wide, multiply};
 use crate::memory::device_struct;
 use crate::memory::rows::{five_rows, float, two_rows, vector};
-use crate::scene::abilities::{Abilities, EMISSION_MAPS, ENVIRONMENT, PUNCTUAL};
+use crate::scene::abilities::{Abilities, EMISSION_MAPS, ENVIRONMENT, LIGHT_TREE, PUNCTUAL};
 use crate::scene::bvh::planes::Plane;
 use crate::scene::environment::{EnvironmentSample, EnvironmentView};
 use crate::scene::ray::{Clearance, SurfacePoint};
@@ -15,6 +17,7 @@ use crate::scene::texture::TextureView;
 use core::f32::consts::FRAC_1_PI;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
+use tree::{Choice, LightTree, Vantage};
 
 /// [`Light::kind`]: an emissive triangle of one radiance.
 pub const TRIANGLE: u32 = 0;
@@ -75,6 +78,11 @@ impl Light {
             normal: vector(rows[4]),
             offset: float(rows[4]),
         }
+    }
+
+    /// Of a triangle, in squared world units.
+    fn area(&self) -> f32 {
+        0.5 * self.edge1.cross(self.edge2).length()
     }
 }
 
@@ -196,6 +204,8 @@ pub struct LightView<'a, A> {
     pub count: u32,
     /// Row of the first [`EmissionMap`].
     pub first_map: u32,
+    /// The tree that chooses among them, if there is one.
+    pub tree: LightTree<'a>,
     /// See [`crate::scene::SceneParams::total_importance`].
     pub total_importance: f32,
     /// See [`crate::scene::SceneParams::offset_roundings`].
@@ -218,6 +228,12 @@ impl<A: Abilities> LightView<'_, A> {
     #[inline(always)]
     pub fn has_environment(&self) -> bool {
         self.abilities.has(ENVIRONMENT) && self.environment.is_some()
+    }
+
+    /// Whether a tree chooses lights for a point.
+    #[inline(always)]
+    pub fn has_tree(&self) -> bool {
+        self.abilities.has(LIGHT_TREE) && self.tree.is_some()
     }
 
     /// Whether a light that is not the environment has no surface.
@@ -246,10 +262,14 @@ impl<A: Abilities> LightView<'_, A> {
 
     /// A uniform point of the light number `index`, a triangle, from a uniform point of the unit
     /// square.
+    pub fn point_on(&self, index: u32, u: [f32; 2]) -> LightPoint {
+        self.point_of(&self.light(index), u)
+    }
+
+    /// The same of a light at hand.
     ///
     /// Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
-    pub fn point_on(&self, index: u32, u: [f32; 2]) -> LightPoint {
-        let light = self.light(index);
+    fn point_of(&self, light: &Light, u: [f32; 2]) -> LightPoint {
         let (a, b) = if u[1] > u[0] {
             let a = 0.5 * u[0];
             (a, u[1] - a)
@@ -257,14 +277,14 @@ impl<A: Abilities> LightView<'_, A> {
             let b = 0.5 * u[1];
             (u[0] - b, b)
         };
-        let Light { normal, offset, .. } = light;
+        let Light { normal, offset, .. } = *light;
         // The sum has the roundings of the whole triangle; of those that count, the ones across it,
         // the plane leaves what the point itself has.
         let position = light.corner + light.edge1 * a + light.edge2 * b;
         LightPoint {
             position: Plane { normal, offset }.nearest_point(position),
             normal,
-            radiance: self.radiance_at(&light, a, b),
+            radiance: self.radiance_at(light, a, b),
             pdf: light.pdf,
         }
     }
@@ -281,21 +301,41 @@ impl<A: Abilities> LightView<'_, A> {
     }
 
     /// A light for the point `from`, by 32 random bits for the `choice` of the light and 64 for the
-    /// `point` on it.
+    /// `point` on it: chosen by power.
     #[inline(always)]
     pub fn sample(&self, from: &SurfacePoint, choice: u32, point: [u32; 2]) -> LightSample {
         let index = self.choose(choice);
         if self.is_environment(index) {
             return self.sample_environment(from, point);
         }
-        let u = [unit_float(point[0]), unit_float(point[1])];
-        if self.abilities.has(PUNCTUAL) {
-            let light = self.light(index);
-            if self.is_punctual(&light) {
-                return light.sample_punctual(from, u);
-            }
+        self.sample_light(from, &self.light(index), point)
+    }
+
+    /// The same, chosen by the tree for `vantage`, which is `from` as choices see it.
+    #[inline(always)]
+    pub fn sample_by_tree(
+        &self,
+        from: &SurfacePoint,
+        vantage: &Vantage,
+        choice: u32,
+        point: [u32; 2],
+    ) -> LightSample {
+        let Choice { light: index, chance } = self.tree.choose(vantage, choice);
+        if self.is_environment(index) {
+            return self.sample_environment(from, point);
         }
-        self.sample_triangle(from, index, u)
+        let light = self.light(index);
+        let pdf = if self.is_punctual(&light) { chance } else { chance / light.area() };
+        self.sample_light(from, &Light { pdf, ..light }, point)
+    }
+
+    #[inline(always)]
+    fn sample_light(&self, from: &SurfacePoint, light: &Light, point: [u32; 2]) -> LightSample {
+        let u = [unit_float(point[0]), unit_float(point[1])];
+        if self.is_punctual(light) {
+            return light.sample_punctual(from, u);
+        }
+        self.sample_triangle(from, light, u)
     }
 
     fn sample_environment(&self, from: &SurfacePoint, point: [u32; 2]) -> LightSample {
@@ -316,8 +356,8 @@ impl<A: Abilities> LightView<'_, A> {
     }
 
     #[inline(always)]
-    fn sample_triangle(&self, from: &SurfacePoint, index: u32, u: [f32; 2]) -> LightSample {
-        let light = self.point_on(index, u);
+    fn sample_triangle(&self, from: &SurfacePoint, light: &Light, u: [f32; 2]) -> LightSample {
+        let light = self.point_of(light, u);
         let offset = light.position - from.position;
         let distance2 = offset.length_squared();
         let direction = offset.normalize();
@@ -343,14 +383,24 @@ impl<A: Abilities> LightView<'_, A> {
         }
     }
 
-    /// The density per area of a point on a triangle of this [`importance`].
-    pub fn area_pdf(&self, importance: f32) -> f32 {
-        area_pdf(importance, self.total_importance)
+    /// The density per area of a point on the triangle of the light of this `mark`, see
+    /// [`Triangle::light`](crate::scene::triangle::Triangle::light), that has a material of this
+    /// `emission`, when the choice is by power.
+    #[inline(always)]
+    pub fn area_pdf(&self, emission: Vec3, mark: u32) -> f32 {
+        if self.has_tree() {
+            self.light(mark).pdf
+        } else if self.abilities.has(EMISSION_MAPS) && mark != 0 {
+            area_pdf(f32::from_bits(mark), self.total_importance)
+        } else {
+            area_pdf(importance(emission), self.total_importance)
+        }
     }
 
-    /// The density per solid angle with which [`Self::sample`] picks the direction to a triangle of
-    /// this [`importance`] that was hit at `distance`, under this `cosine` to its normal.
-    pub fn pdf_of_hit(&self, importance: f32, distance: f32, cosine: f32) -> f32 {
-        self.area_pdf(importance) * distance * distance / cosine
+    /// The density per area with which the tree chooses a point on the triangle of the light of this
+    /// `mark` for `vantage`.
+    #[inline(always)]
+    pub fn area_pdf_by_tree(&self, vantage: &Vantage, mark: u32) -> f32 {
+        self.tree.chance(vantage, mark) / self.light(mark).area()
     }
 }

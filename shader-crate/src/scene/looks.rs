@@ -1,0 +1,118 @@
+//! What a surface looks like at a point, by its corners and its textures.
+
+use crate::glam::{Vec2, Vec3};
+use crate::math::packed::{NO_TANGENT, Tangent};
+use crate::scene::abilities::{Abilities, EMISSION_MAPS, PRINCIPLED, TEXTURES, VERTEX_COLOURS};
+use crate::scene::bsdf::layers::Layers;
+use crate::scene::bsdf::{Material, MaterialKind};
+use crate::scene::ray::{Hit, Ray, SurfacePoint};
+use crate::scene::surface::SurfaceView;
+use crate::scene::texture::NO_TEXTURE;
+use crate::scene::triangle::{NO_ATTRIBUTES, Triangle};
+#[cfg(target_arch = "spirv")]
+use spirv_std::num_traits::Float as _;
+
+/// Cosine under which a ray still sees a surface whose map of normals turns it away.
+const JUST_SEEN: f32 = 1e-3;
+
+/// What a point of a surface is made of, by the numbers of its corners and by its textures.
+pub struct Looks {
+    /// With the colours of vertices and textures.
+    pub material: Material,
+    /// With the numbers of textures.
+    pub layers: Layers,
+    /// Shading normal on the front.
+    pub shading: Vec3,
+    /// See [`Bsdf::geometric`]; on the front.
+    pub geometric: Vec3,
+    /// Of the triangle, packed, or [`NO_TANGENT`].
+    pub tangent: u32,
+}
+
+impl Looks {
+    /// Those of the `triangle` of an `instance`, or of none, where `ray` made `hit`.
+    #[inline(always)]
+    pub fn of<A: Abilities>(
+        surfaces: &SurfaceView<'_, A>,
+        ray: &Ray,
+        hit: &Hit,
+        triangle: &Triangle,
+        point: &SurfacePoint,
+        instance: u32,
+    ) -> Self {
+        let material = surfaces.material(triangle.material);
+        let mut layers = Layers::NONE;
+        let is_principled =
+            surfaces.abilities.has(PRINCIPLED) && material.kind.0 == MaterialKind::PRINCIPLED.0;
+        if is_principled {
+            layers = surfaces.layers(triangle.material);
+        }
+        let (shading, geometric) = (point.normal, point.normal);
+        let mut looks = Self { material, layers, shading, geometric, tangent: NO_TANGENT };
+        if triangle.attributes != NO_ATTRIBUTES {
+            let a = surfaces.attributes(triangle.attributes, instance);
+            looks.shading = a.normal(hit, point.normal);
+            looks.geometric = looks.shading;
+            looks.tangent = a.tangent;
+            if surfaces.abilities.has(VERTEX_COLOURS) {
+                let colour = surfaces.colour(triangle.attributes, hit);
+                looks.material.reflectance *= colour.truncate();
+            }
+            if surfaces.abilities.has(TEXTURES) {
+                looks.look_up(surfaces, a.uv(hit), is_principled);
+                let layers = &looks.layers;
+                if is_principled && layers.normal_map != NO_TEXTURE && a.tangent != NO_TANGENT {
+                    let slopes = layers.slopes(&surfaces.textures, a.uv(hit));
+                    let direction = ray.direction;
+                    looks.shading = bent(looks.shading, slopes, a.tangent, direction, point.normal);
+                    looks.geometric = point.normal;
+                }
+            }
+        }
+        looks
+    }
+
+    /// Multiplies the numbers of the material by what its textures say at `uv`.
+    #[inline(always)]
+    fn look_up<A: Abilities>(
+        &mut self,
+        surfaces: &SurfaceView<'_, A>,
+        uv: Vec2,
+        is_principled: bool,
+    ) {
+        let textures = &surfaces.textures;
+        if self.material.texture != NO_TEXTURE {
+            self.material.reflectance *= textures.reflectance(self.material.texture, uv.x, uv.y);
+        }
+        if is_principled {
+            let map = self.layers.emission_map;
+            if surfaces.abilities.has(EMISSION_MAPS) && map != NO_TEXTURE {
+                self.material.emission *= textures.sample(map, uv.x, uv.y);
+            }
+            self.layers = self.layers.textured(textures, uv);
+        }
+    }
+}
+
+/// The shading `normal` with a map's `slopes`: towards the tangent, towards the bitangent, and
+/// along the normal. The side from which a ray along `direction` sees it stays that of the
+/// triangle, whose normal is `geometric`: what would turn away from the ray is bent to where it is
+/// just seen.
+fn bent(normal: Vec3, slopes: Vec3, tangent: u32, direction: Vec3, geometric: Vec3) -> Vec3 {
+    let Tangent { direction: along, is_mirrored } = Tangent::unpack(tangent);
+    let along = along - normal * normal.dot(along);
+    let length = along.length_squared();
+    if length <= 0.0 {
+        return normal;
+    }
+    let along = along / length.sqrt();
+    let across = normal.cross(along);
+    let across = if is_mirrored { -across } else { across };
+    let mapped = (along * slopes.x + across * slopes.y + normal * slopes.z).normalize();
+    let (seen, side) = (mapped.dot(direction), geometric.dot(direction));
+    if seen * side > 0.0 {
+        return mapped;
+    }
+    let least = if side < 0.0 { -JUST_SEEN } else { JUST_SEEN };
+    (mapped + direction * (least - seen)).normalize()
+}
