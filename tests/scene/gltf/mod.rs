@@ -4,6 +4,7 @@ mod animation;
 mod broken;
 mod geometry;
 mod materials;
+mod meshopt;
 mod models;
 mod picture;
 mod surroundings;

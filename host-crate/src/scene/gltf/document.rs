@@ -1,6 +1,6 @@
 //! The file itself: its JSON, its buffers, and what of it would take too much memory.
 
-use super::extensions;
+use super::{extensions, meshopt};
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::options::{Instancing, LoadOptions};
@@ -35,6 +35,8 @@ pub(super) struct Document<'a> {
     pub root: Root,
     /// The bytes of each buffer; none where the file names none.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
+    /// The bytes of each view that is compressed, as they are without.
+    decompressed: Vec<Option<Vec<u8>>>,
     /// What becomes of shapes that stand in several places.
     pub instancing: Instancing,
     limit: u64,
@@ -52,13 +54,16 @@ impl<'a> Document<'a> {
         let root = root(path, &json)?;
         let limit = options.max_memory;
         let left = Cell::new(limit);
-        let (buffers, instancing) = (Vec::new(), options.instancing);
-        let mut document = Self { path, folder, root, buffers, instancing, limit, left };
+        let (buffers, decompressed) = (Vec::new(), Vec::new());
+        let instancing = options.instancing;
+        let mut document =
+            Self { path, folder, root, buffers, decompressed, instancing, limit, left };
         extensions::check_required(&document.root, document.path)?;
         for index in 0..document.root.buffers.len() {
             let place = format!("buffers[{index}]");
             let buffer = &document.root.buffers[index];
             let bytes = match &buffer.uri {
+                _ if meshopt::is_fallback(buffer) => None,
                 Some(uri) => {
                     let place = format!("{place}.uri");
                     let bytes = document.resource(source, uri, options.geometry_bytes(), &place)?;
@@ -73,6 +78,10 @@ impl<'a> Document<'a> {
             };
             document.charge(bytes.as_ref().map_or(0, |bytes| bytes.len() as u64), &place)?;
             document.buffers.push(bytes);
+        }
+        for index in 0..document.root.buffer_views.len() {
+            let bytes = document.decompress(index)?;
+            document.decompressed.push(bytes);
         }
         Ok(document)
     }
@@ -126,9 +135,24 @@ impl<'a> Document<'a> {
         place: &str,
     ) -> Result<(&[u8], Option<usize>), SceneError> {
         let view = self.get(&self.root.buffer_views, index, "bufferViews", place)?;
+        let stride = view.byte_stride.map(|stride| stride.0);
+        if let Some(Some(bytes)) = self.decompressed.get(index) {
+            return Ok((bytes, stride));
+        }
         let here = format!("bufferViews[{index}]");
-        let buffer = view.buffer.value();
-        let declared = self.get(&self.root.buffers, buffer, "buffers", &here)?.byte_length.0;
+        let start = view.byte_offset.unwrap_or_default().0;
+        Ok((self.bytes(view.buffer.value(), start, view.byte_length.0, &here)?, stride))
+    }
+
+    /// So many bytes of a buffer from `start` on; `place` names them.
+    pub(super) fn bytes(
+        &self,
+        buffer: usize,
+        start: u64,
+        length: u64,
+        place: &str,
+    ) -> Result<&[u8], SceneError> {
+        let declared = self.get(&self.root.buffers, buffer, "buffers", place)?.byte_length.0;
         let Some(Some(bytes)) = self.buffers.get(buffer) else {
             return Err(self.wrong(&format!("buffers[{buffer}]"), "has no bytes"));
         };
@@ -137,14 +161,12 @@ impl<'a> Document<'a> {
             return Err(self.wrong(&format!("buffers[{buffer}]"), what));
         }
         let bytes = &bytes[..declared as usize];
-        let start = view.byte_offset.unwrap_or_default().0;
-        let end = start.saturating_add(view.byte_length.0);
+        let end = start.saturating_add(length);
         let range = usize::try_from(start).ok().zip(usize::try_from(end).ok());
-        let found = range.and_then(|(start, end)| bytes.get(start..end)).ok_or_else(|| {
+        range.and_then(|(start, end)| bytes.get(start..end)).ok_or_else(|| {
             let length = bytes.len();
-            self.wrong(&here, format!("is bytes {start} to {end} of a buffer of {length}"))
-        })?;
-        Ok((found, view.byte_stride.map(|stride| stride.0)))
+            self.wrong(place, format!("is bytes {start} to {end} of a buffer of {length}"))
+        })
     }
 
     /// An error of a part of the file.

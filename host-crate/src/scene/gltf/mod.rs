@@ -14,6 +14,7 @@ mod instances;
 mod layout;
 mod lights;
 mod material;
+mod meshopt;
 mod nodes;
 mod placed;
 mod primitive;
