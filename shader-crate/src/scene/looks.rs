@@ -23,7 +23,7 @@ pub struct Looks {
     pub layers: Layers,
     /// Shading normal on the front.
     pub shading: Vec3,
-    /// See [`Bsdf::geometric`]; on the front.
+    /// See [`Bsdf::geometric`](crate::scene::bsdf::Bsdf::geometric); on the front.
     pub geometric: Vec3,
     /// Of the triangle, packed, or [`NO_TANGENT`].
     pub tangent: u32,
