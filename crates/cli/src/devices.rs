@@ -4,7 +4,7 @@ use super::ending::{CliError, Ending};
 use super::options::OpenArguments;
 use super::output::{self, print_line};
 use clap::Args;
-use raystream::exec::device::Devices;
+use raystream::exec::devices::Devices;
 
 /// The options of `raystream devices`.
 #[derive(Args)]

@@ -7,7 +7,8 @@ use super::progress::Waiting;
 use clap::builder::NonEmptyStringValueParser;
 use clap::{Args, ValueEnum};
 use raystream::exec::ExecError;
-use raystream::exec::device::{Device, OpenOptions};
+use raystream::exec::device::Device;
+use raystream::exec::devices::OpenOptions;
 use raystream::image::{Display, ToneMap};
 use raystream::render::{
     BidirectionalTechniques, BvhQuality, IntegratorKind, LightCacheSettings, PixelFilter,

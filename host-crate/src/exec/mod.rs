@@ -9,6 +9,7 @@ mod counter;
 pub mod counting;
 pub mod cpu;
 pub mod device;
+pub mod devices;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod kernels;

@@ -1,7 +1,7 @@
 //! Which GPUs there are, and the choice of one.
 
 use super::{GpuExecutor, ShaderPath, largest_buffer};
-use crate::exec::device::{DeviceInfo, OpenOptions};
+use crate::exec::devices::{DeviceInfo, OpenOptions};
 use crate::exec::kernels::table;
 use crate::exec::{Access, ExecError, Kernel};
 
