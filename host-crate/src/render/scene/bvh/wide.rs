@@ -211,7 +211,7 @@ impl<const N: usize> Emission<'_, N> {
         for (place, &entry) in entries.iter().enumerate() {
             let first = (entry * Planes::ROWS) as usize;
             let rows = &self.planes[first..first + Planes::ROWS as usize];
-            let words = rows.iter().flat_map(|row| row.to_array());
+            let words = rows.iter().flat_map(UVec4::to_array);
             for (numbers, word) in leaf.planes.iter_mut().zip(words) {
                 numbers[place] = f32::from_bits(word);
             }

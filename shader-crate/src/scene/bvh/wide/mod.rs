@@ -10,7 +10,7 @@
 //! other traversal and a test of all triangles find: `tests/scene/traversal.rs`.
 //!
 //! - [`lanes`]: numbers side by side, and which processor has how many;
-//! - [`traversal`]: the loop.
+//! - `traversal`: the loop.
 
 pub mod lanes;
 mod traversal;
