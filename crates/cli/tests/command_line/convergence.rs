@@ -16,7 +16,7 @@ fn tiny(folder: &Path) -> Run {
 fn everything_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let stdout = tiny(folder.path())
-        .says(&["rendering the reference by regeneration with 32", "uniform, 1 of 1"])
+        .says(&["rendering the reference by auto with 32", "uniform, 1 of 1"])
         .stdout;
     assert!(
         stdout.contains("## cornell_ball@16x12") && stdout.contains("runs-bilateral"),
@@ -247,7 +247,7 @@ fn one_integrator_is_in_no_name() {
     let folder = tempfile::tempdir().unwrap();
     run(folder.path(), &format!("{TINY} --integrators lvc,lvc"))
         .succeeded()
-        .says(&["rendering the reference by regeneration", "uniform, 1 of 1"]);
+        .says(&["rendering the reference by auto", "uniform, 1 of 1"]);
     let scene = folder.path().join("out/cornell_ball@16x12");
     let speedups = csv(&scene.join("speedups.csv"));
     assert!(

@@ -37,7 +37,7 @@ fn the_header_tells_how_it_was_made() {
         ("max_depth", "3"),
         ("rr_depth", "2"),
         ("sampler", "independent"),
-        ("integrator", "regeneration"),
+        ("integrator", "auto"),
         ("version", env!("CARGO_PKG_VERSION")),
     ] {
         assert!(
