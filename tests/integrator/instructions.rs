@@ -59,10 +59,11 @@ fn light_vertex_caches_are_the_same_by_all_instructions() {
 fn devices_choose_their_integrators() {
     let scene = scenes::room(scenes::mirror(0.9), 1.0);
     let prepared = raystream_tests::prepare(&scene);
+    let settings = Settings::for_scene(&scene);
     for cpu in cpus() {
-        assert_eq!(kernel_of(&cpu, &prepared, &settings(&scene)), "trace_paths");
+        assert_eq!(kernel_of(&cpu, &prepared, &settings), "trace_paths");
     }
-    with_gpu(|gpu| assert_eq!(kernel_of(gpu, &prepared, &settings(&scene)), "regenerate_paths"));
+    with_gpu(|gpu| assert_eq!(kernel_of(gpu, &prepared, &settings), "regenerate_paths"));
 }
 
 /// The name of the kernel that traces a stream by the integrator of these settings.
