@@ -4,11 +4,11 @@
     pip install mitsuba==3.9.1 numpy        (its LLVM mode needs LLVM 17 or later: libllvm19)
     python3 tools/race-on-the-cpu.py target/release/raystream SCENE.json ... [--rounds N]
 
-Scenes are of format 1: one OBJ, a pinhole, matt (with a texture), mirror, glass and lamps. Both trace
-paths of at most --depth segments, uniformly. What is compared is the time of processors (user time),
-which other programs disturb less than the wall's. Loading is left out: of Raystream by the difference
-of two renders, of Mitsuba by its clock after a first pass. Each round measures all of them once; printed
-are the medians in nanoseconds a path, and Mitsuba's over each.
+Scenes are of format 1: one OBJ, a pinhole, matt (with a texture), mirror, glass and lamps. Both
+trace paths of at most --depth segments, uniformly. What is compared is the time of processors (user
+time), which other programs disturb less than the wall's. Loading is left out: of Raystream by the
+difference of two renders, of Mitsuba by its clock after a first pass. Each round measures all of
+them once; printed are the medians in nanoseconds a path, and Mitsuba's over each.
 """
 
 import argparse
@@ -59,7 +59,8 @@ def bsdf(lines, override, folder):
     texture = lines.get("map_Kd") if "reflectance" not in override else None
     if texture and max(emission) == 0:
         name = re.split(r"[\\/]", texture[-1])[-1].lower()
-        files = {os.path.basename(f).lower(): f for f in glob.glob(f"{folder}/**/*", recursive=True)}
+        there = glob.glob(f"{folder}/**/*", recursive=True)
+        files = {os.path.basename(file).lower(): file for file in there}
         if name in files:
             reflectance = {"type": "bitmap", "filename": files[name]}
     return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": reflectance}}, emission
@@ -83,7 +84,8 @@ def corners(path):
             for word in words[1:]:
                 parts = [int(part) if part else 0 for part in (word + "//").split("/")[:3]]
                 sizes = [len(lists[name]) for name in ("v", "vt", "vn")]
-                polygon.append([p - 1 if p > 0 else n + p if p < 0 else -1 for p, n in zip(parts, sizes)])
+                index = lambda p, n: p - 1 if p > 0 else n + p if p < 0 else -1
+                polygon.append([index(p, n) for p, n in zip(parts, sizes)])
             for k in range(1, len(polygon) - 1):
                 current.append([polygon[0], polygon[k], polygon[k + 1]])
     return faces, lists
@@ -101,7 +103,8 @@ def mesh(mi, name, triangles, lists, is_smooth, props):
     values["faces"] = np.arange(len(index), dtype=np.uint32)
     if has_uv:
         # Mitsuba's bitmaps begin at the top.
-        values["vertex_texcoords"] = (take("vt", 1, 2) * [1, -1] + [0, 1]).astype(np.float32).ravel()
+        flipped = take("vt", 1, 2) * [1, -1] + [0, 1]
+        values["vertex_texcoords"] = flipped.astype(np.float32).ravel()
     if has_normals:
         values["vertex_normals"] = take("vn", 2, 3).ravel()
     values.update()
@@ -115,7 +118,8 @@ def load(mi, path, size, depth):
     known = {}
     for line in open(obj, errors="replace"):
         if line.startswith("mtllib"):
-            known.update(materials(os.path.join(os.path.dirname(obj), line.split(maxsplit=1)[1].strip())))
+            library = line.split(maxsplit=1)[1].strip()
+            known.update(materials(os.path.join(os.path.dirname(obj), library)))
     camera = scene["camera"]
     to_world = mi.ScalarTransform4f().look_at(
         origin=camera["origin"], target=camera["target"], up=camera["up"])
@@ -164,10 +168,10 @@ def ours(raystream, device, scene, arguments, samples):
     """Likewise, of a render with `samples` more than another."""
 
     def user(spp):
-        command = [raystream, "render", scene, "--device", device, "--allocator", "uniform", "--quiet",
-                   "--size", arguments.size, "--spp", str(spp), "--max-depth", str(arguments.depth),
-                   "--threads", str(arguments.threads), "--output",
-                   os.path.join(arguments.scratch, "race.exr")]
+        command = [raystream, "render", scene, "--device", device, "--allocator", "uniform",
+                   "--quiet", "--size", arguments.size, "--spp", str(spp),
+                   "--max-depth", str(arguments.depth), "--threads", str(arguments.threads),
+                   "--output", os.path.join(arguments.scratch, "race.exr")]
         with open(os.devnull, "w") as nowhere:
             process = subprocess.Popen(command, stdout=nowhere, stderr=nowhere)
             _, status, usage = os.wait4(process.pid, 0)
@@ -180,7 +184,8 @@ def ours(raystream, device, scene, arguments, samples):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    formatter = argparse.RawTextHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=formatter)
     parser.add_argument("raystream")
     parser.add_argument("scenes", nargs="+")
     parser.add_argument("--devices", default="cpu,cpu:avx2,cpu:simd128,cpu:scalar")
@@ -210,13 +215,15 @@ def main():
         for _ in range(arguments.rounds):
             found["mitsuba"].append(theirs(mi, scene, size, 4 * arguments.samples))
             for device in devices:
-                found[device].append(ours(arguments.raystream, device, path, arguments, arguments.samples))
+                ns = ours(arguments.raystream, device, path, arguments, arguments.samples)
+                found[device].append(ns)
         medians = {name: statistics.median(times) for name, times in found.items()}
         print(os.path.basename(path))
         for name, median in medians.items():
             ratio = medians["mitsuba"] / median
             spread = f"{min(found[name]):.0f} to {max(found[name]):.0f}"
-            print(f"  {name:12} {median:7.0f} ns a path ({spread}), {ratio:.2f} of Mitsuba's speed", flush=True)
+            line = f"  {name:12} {median:7.0f} ns a path ({spread}), {ratio:.2f} of Mitsuba's speed"
+            print(line, flush=True)
 
 
 if __name__ == "__main__":

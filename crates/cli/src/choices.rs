@@ -92,8 +92,8 @@ choices! {
 
 choices! {
     IntegratorKind {
-        Auto: "regeneration on a GPU and megakernel on the CPU, whichever is faster: the picture is \
-               the same",
+        Auto: "The faster one of two that make the same picture: regeneration on a GPU, \
+               megakernel on the CPU",
         Megakernel: "One thread walks one path to its end",
         Compaction: "All paths advance by a segment at a time; after each, stream compaction \
                      removes those that have ended",

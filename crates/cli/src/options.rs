@@ -25,8 +25,8 @@ use std::time::{Duration, Instant};
 pub struct DeviceArguments {
     /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name;
     /// gpu:2 or NAME:2 is the second that fits. cpu:avx512, cpu:avx2, cpu:simd128 and cpu:scalar
-    /// trace rays by these instructions, to the same bits [cpu: the best]. A render takes several, with commas between them, or
-    /// all (every GPU).
+    /// trace rays by these instructions, to the same bits [cpu: the best]. A render takes several,
+    /// with commas between them, or all (every GPU).
     #[arg(
         long,
         default_value = "auto",

@@ -13,10 +13,10 @@ use std::sync::Arc;
 pub(super) const SCALAR: &str = "scalar";
 
 impl Device {
-    /// Opens the device that `selection` names, whatever the case: `cpu`; `cpu:` and instructions by
-    /// which rays are traced (`scalar` for those of one number, or a [`Simd::name`]); `gpu`, the best
-    /// GPU, a software one if there is no other; `auto`, the best real GPU, else the CPU; or a part
-    /// of a device's name. Of several that fit, `gpu:2` or `NAME:2` is the second.
+    /// Opens the device that `selection` names, whatever the case: `cpu`; `cpu:` and instructions
+    /// by which rays are traced (`scalar` for those of one number, or a [`Simd::name`]); `gpu`, the
+    /// best GPU, a software one if there is no other; `auto`, the best real GPU, else the CPU; or a
+    /// part of a device's name. Of several that fit, `gpu:2` or `NAME:2` is the second.
     ///
     /// # Errors
     /// If there is no such device, or it cannot run the kernels.
