@@ -18,17 +18,11 @@ mod traversal;
 use super::{BvhView, Order};
 use crate::scene::abilities::Abilities;
 use crate::scene::ray::{Hit, Ray};
-use lanes::Simd;
 use std::sync::Arc;
 use std::vec::Vec;
 
 /// Triangles of a leaf at most.
 pub const LEAF_TRIANGLES: usize = 8;
-
-/// Numbers that lie where a register is loaded from without crossing a cache line.
-#[derive(Clone, Copy)]
-#[repr(C, align(64))]
-pub struct Aligned<T>(pub T);
 
 /// What a child of a node is, in a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +53,8 @@ impl Child {
     }
 }
 
-/// The boxes of a node's children, and what they are.
+/// The boxes of a node's children, and what they are: aligned so that no register is loaded from
+/// two lines of the cache.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Node<const N: usize> {
@@ -131,17 +126,6 @@ pub enum WideBvh {
 }
 
 impl WideBvh {
-    /// The instructions that it is for.
-    pub fn simd(&self) -> Simd {
-        match self {
-            Self::Simd128(proof, _) => Simd::Simd128(*proof),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2(proof, _) => Simd::Avx2(*proof),
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512(proof, _) => Simd::Avx512(*proof),
-        }
-    }
-
     /// [`BvhView::traverse`]; `view` is that of the same scene.
     #[inline(always)]
     pub fn traverse(
