@@ -391,6 +391,12 @@ macro_rules! for_each_kernel {
                 read rays: $crate::scene::ray::Ray,
                 write occluded: u32,
             }
+            /// Computes every function that devices differ in.
+            calculate[256] = $crate::math::exact::calculate {
+                uniform parameters: $crate::math::exact::CalculateParams,
+                read operands: $crate::math::exact::Operands,
+                write results: $crate::math::exact::Results,
+            }
             /// Makes the guides of a band's pixels.
             make_guides[256] = $crate::estimator::guide::make_guides {
                 uniform parameters: $crate::estimator::guide::GuideParams,

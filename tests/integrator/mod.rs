@@ -16,7 +16,7 @@ mod punctual_lights;
 mod renders;
 mod slots;
 mod techniques;
-mod tracing;
+pub mod tracing;
 mod vertex_colours;
 mod wide_textures;
 mod wrapping;

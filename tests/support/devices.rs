@@ -3,6 +3,7 @@
 use crate::not_tested;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::device::Device;
+use raystream::exec::devices::OpenOptions;
 use raystream::exec::gpu::GpuExecutor;
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::sync::{Arc, Mutex};
@@ -14,12 +15,28 @@ const REQUIRE_GPU: &str = "RAYSTREAM_REQUIRE_GPU";
 /// time has it: a software one is slow, and a real one has only so much memory.
 static GPU: Mutex<Option<Arc<GpuExecutor>>> = Mutex::new(None);
 
+/// The same GPU with kernels that compute what the CPU does.
+static EXACT_GPU: Mutex<Option<Arc<GpuExecutor>>> = Mutex::new(None);
+
 /// Runs `test` on any GPU, a software one too. Without one it says so loudly, or fails if
 /// `RAYSTREAM_REQUIRE_GPU` is set.
 pub fn with_gpu(test: impl FnOnce(&GpuExecutor)) {
-    let mut gpu = GPU.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    with(&GPU, OpenOptions::default(), test);
+}
+
+/// The same on a GPU that is exact.
+pub fn with_exact_gpu(test: impl FnOnce(&GpuExecutor)) {
+    with(&EXACT_GPU, OpenOptions::default().with_exact(true), test);
+}
+
+fn with(
+    gpu: &Mutex<Option<Arc<GpuExecutor>>>,
+    options: OpenOptions,
+    test: impl FnOnce(&GpuExecutor),
+) {
+    let mut gpu = gpu.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     if gpu.is_none() {
-        *gpu = match Device::open("gpu") {
+        *gpu = match Device::open_with("gpu", options) {
             Ok(Device::Gpu(gpu)) => Some(gpu),
             Ok(_) => unreachable!("the GPU that was asked for is the CPU"),
             Err(error) => return no_gpu(&error.to_string()),

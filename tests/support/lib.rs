@@ -19,7 +19,7 @@ pub mod scene_folder;
 pub mod scenes;
 pub mod statistics;
 
-pub use devices::{cpus, has_gpu, no_gpu, with_gpu};
+pub use devices::{cpus, has_gpu, no_gpu, with_exact_gpu, with_gpu};
 pub use large_scenes::large_scenes;
 pub use renders::{prepare, render, render_on, settings};
 

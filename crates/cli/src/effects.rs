@@ -160,6 +160,11 @@ const RULES: &[Rule] = &[
     },
     Rule { options: &["naga", "validation"], has_effect: |facts| facts.on_gpu, why: "on the CPU" },
     Rule {
+        options: &["exact"],
+        has_effect: |facts| facts.on_gpu,
+        why: "on the CPU, which is what GPUs are exact to",
+    },
+    Rule {
         options: &["aperture", "focus"],
         has_effect: |facts| {
             facts.projection.is_none_or(|p| matches!(p, Projection::Perspective { .. }))

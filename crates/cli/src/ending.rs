@@ -8,6 +8,8 @@ use super::output::say;
 pub enum Ending {
     /// It has done what it was asked for.
     Done,
+    /// What it was to compare is not the same.
+    Different,
     /// A signal ended it, with what there was written.
     Interrupted,
 }
@@ -15,6 +17,8 @@ pub enum Ending {
 /// Any error, as the user will see it.
 pub type CliError = Box<dyn std::error::Error>;
 
+/// Exit status of a comparison that found a difference.
+pub const DIFFERENT: u8 = 1;
 /// Exit status of a run that Ctrl-C ended.
 pub const INTERRUPTED: u8 = 130;
 /// Exit status of a run that failed.
@@ -24,6 +28,7 @@ pub const FAILED: u8 = 2;
 pub fn exit_status(ended: Result<Ending, CliError>) -> u8 {
     match ended {
         Ok(Ending::Done) => 0,
+        Ok(Ending::Different) => DIFFERENT,
         Ok(Ending::Interrupted) => INTERRUPTED,
         Err(error) => {
             say(&format!("error: {}", with_hint(error.as_ref())));

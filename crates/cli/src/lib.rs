@@ -16,6 +16,7 @@ mod compare;
 mod convergence;
 mod denoise;
 mod devices;
+mod diff_devices;
 mod effects;
 mod ending;
 mod entries;
@@ -89,6 +90,9 @@ enum Command {
     Inspect(inspect::InspectArguments),
     /// List the devices that can render.
     Devices(devices::DevicesArguments),
+    /// Render on two devices at once, and say after which kernel they differ, if they do: exit
+    /// status 1.
+    DiffDevices(Box<diff_devices::DiffDevicesArguments>),
     /// List the scenes that ship with Raystream.
     Scenes,
     /// Measure speed.
@@ -117,6 +121,7 @@ fn run(arguments: Arguments, given: &Given) -> Result<Ending, CliError> {
         Command::Denoise(arguments) => denoise::run(&arguments, given),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
+        Command::DiffDevices(arguments) => diff_devices::run_command(&arguments, given),
         Command::Scenes => scenes::run(),
         Command::Bench(command) => bench::run(&command, given),
     }

@@ -44,6 +44,10 @@ pub struct OpenArguments {
     /// Have naga translate the kernels, also where the driver takes SPIR-V.
     #[arg(long)]
     naga: bool,
+    /// Have GPUs compute what the CPU does, bit for bit: nothing is fused, and quotients, roots and
+    /// other functions are the project's own. It takes them longer.
+    #[arg(long)]
+    exact: bool,
     /// Run under the driver's validation layers, where they are installed (-vv says), and print
     /// their messages.
     #[arg(long)]
@@ -53,7 +57,10 @@ pub struct OpenArguments {
 impl OpenArguments {
     /// What was asked for.
     pub fn options(&self) -> OpenOptions {
-        OpenOptions::default().with_naga(self.naga).with_validation(self.validation)
+        OpenOptions::default()
+            .with_naga(self.naga)
+            .with_exact(self.exact)
+            .with_validation(self.validation)
     }
 }
 

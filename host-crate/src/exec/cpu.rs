@@ -1,7 +1,7 @@
 //! The executor that runs kernels on the CPU, through rayon.
 
 use super::native::{NativeArguments, NativeBinding};
-use super::{Access, ExecError, Executor, Launch, Limits};
+use super::{ExecError, Executor, Launch, Limits};
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
@@ -88,9 +88,10 @@ fn run_one(launch: &Launch<'_, CpuBuffer>) -> Duration {
         .map(|(binding, view)| {
             let lock = &view.buffer.blocks;
             let held = "a buffer is bound twice to one launch, once for writing";
-            match binding.access {
-                Access::Write => Lock::Write(lock.try_write().expect(held)),
-                Access::Read | Access::Uniform => Lock::Read(lock.try_read().expect(held)),
+            if binding.access.writes() {
+                Lock::Write(lock.try_write().expect(held))
+            } else {
+                Lock::Read(lock.try_read().expect(held))
             }
         })
         .collect();

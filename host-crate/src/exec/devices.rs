@@ -86,12 +86,19 @@ pub struct OpenOptions {
     /// Run under the driver's validation layers (Vulkan) or debug layer (DirectX); their messages
     /// are logged.
     pub validation: bool,
+    /// Have GPUs compute what the CPU does, bit for bit, which takes them longer.
+    pub exact: bool,
 }
 
 impl OpenOptions {
     /// These, with [`Self::naga`] as given.
     pub fn with_naga(self, naga: bool) -> Self {
         Self { naga, ..self }
+    }
+
+    /// These, with [`Self::exact`] as given.
+    pub fn with_exact(self, exact: bool) -> Self {
+        Self { exact, ..self }
     }
 
     /// These, with [`Self::validation`] as given.

@@ -9,6 +9,7 @@ use raystream_shaders::memory::access::{Atomics, Scatter};
 use raystream_shaders::parallel::prefix::Lane;
 use raystream_shaders::scene::abilities::{self, Abilities, Fixed};
 use raystream_shaders::scene::{SceneView, TracingParams};
+use std::fmt::Debug;
 use std::sync::atomic::AtomicU32;
 
 /// The kernels as GPUs take them, compiled by `cargo shaders`.
@@ -34,12 +35,38 @@ impl Kernel {
 }
 
 /// One binding of a kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Binding {
     /// What the table calls it.
     pub name: &'static str,
     /// What the kernel does with it.
     pub access: Access,
+    /// What it is made of.
+    pub element: Element,
+}
+
+impl Binding {
+    const fn new<T: Pod + Debug>(name: &'static str, access: Access) -> Self {
+        Self { name, access, element: Element::of::<T>() }
+    }
+}
+
+/// What buffers are made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Element {
+    /// Its size.
+    pub bytes: usize,
+    /// Its fields in words, of as many bytes.
+    pub describe: fn(&[u8]) -> String,
+}
+
+impl Element {
+    const fn of<T: Pod + Debug>() -> Self {
+        Self {
+            bytes: size_of::<T>(),
+            describe: |bytes| format!("{:?}", bytemuck::pod_read_unaligned::<T>(bytes)),
+        }
+    }
 }
 
 /// What a kernel does with a binding.
@@ -49,9 +76,19 @@ pub enum Access {
     Uniform,
     /// A storage buffer that any thread reads anywhere.
     Read,
-    /// A storage buffer that threads write: each the element of its own number, or wherever no
-    /// other thread does, or by atomics.
+    /// A storage buffer of which each thread writes the element of its own number.
     Write,
+    /// A storage buffer in which each thread writes wherever no other does.
+    Scatter,
+    /// A storage buffer of words that threads change by atomics.
+    Atomic,
+}
+
+impl Access {
+    /// Whether the kernel may change what it binds.
+    pub fn writes(self) -> bool {
+        matches!(self, Self::Write | Self::Scatter | Self::Atomic)
+    }
 }
 
 macro_rules! kernels {
@@ -103,16 +140,16 @@ macro_rules! kernels {
                     workgroup_size: $workgroup,
                     bindings: {
                         const BINDINGS: &[Binding] = &[
-                            Binding { name: stringify!($parameters), access: Access::Uniform },
+                            Binding::new::<$Parameters>(stringify!($parameters), Access::Uniform),
                             $(
                                 scene_binding!($scene 0),
                                 scene_binding!($scene 1),
                                 scene_binding!($scene 2),
                             )?
-                            $(Binding { name: stringify!($read), access: Access::Read },)*
-                            $(Binding { name: stringify!($written), access: Access::Write },)*
-                            $(Binding { name: stringify!($scattered), access: Access::Write },)*
-                            $(Binding { name: stringify!($atomic), access: Access::Write },)*
+                            $(Binding::new::<$Read>(stringify!($read), Access::Read),)*
+                            $(Binding::new::<$Written>(stringify!($written), Access::Write),)*
+                            $(Binding::new::<$Scattered>(stringify!($scattered), Access::Scatter),)*
+                            $(Binding::new::<u32>(stringify!($atomic), Access::Atomic),)*
                         ];
                         BINDINGS
                     },
@@ -163,7 +200,7 @@ macro_rules! scene_uses {
 /// One of the bindings that stand for a scene.
 macro_rules! scene_binding {
     ($scene:ident $number:tt) => {
-        Binding { name: SCENE_NAMES[$number], access: Access::Read }
+        Binding::new::<u32>(SCENE_NAMES[$number], Access::Read)
     };
 }
 

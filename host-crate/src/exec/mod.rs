@@ -4,6 +4,7 @@
 //! kernels over them: [`cpu`] calls the native functions through rayon, [`gpu`] the SPIR-V entry
 //! points through wgpu. Everything above this module is generic over the trait and exists once.
 
+pub mod arithmetic;
 pub mod array;
 mod counter;
 pub mod counting;
@@ -15,6 +16,7 @@ pub mod gpu;
 pub mod kernels;
 mod launch;
 mod native;
+mod paired;
 mod scene_buffers;
 
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
@@ -26,6 +28,7 @@ pub use counting::Counting;
 pub use device::Device;
 pub use kernels::{Access, Binding, Kernel};
 pub use launch::{Launch, RawView, View};
+pub use paired::{Difference, Paired, PairedBuffer, Parting};
 pub use scene_buffers::SceneBuffers;
 
 /// Runs kernels over buffers that it owns.

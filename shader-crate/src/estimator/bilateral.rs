@@ -15,10 +15,9 @@ use crate::film::sums::PixelSums;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::{Vec3, Vec4};
 use crate::math::UNIT_ROUNDOFF;
+use crate::math::elementary::exp;
 use crate::memory::access::at;
 use crate::memory::device_struct;
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
 
 /// Weights are exp(-exponent). From here on they are below 2^-23, which a sum that begins with the
 /// pixel's own weight of 1 does not notice.
@@ -172,7 +171,7 @@ fn filter<const FOLLOWS: bool>(params: &FilterParams, guides: &[Guide], rank: u3
             let exponent = centre.exponent(&tap, (dx * dx + dy * dy) as f32);
             // False for NaN as well.
             if exponent < LARGEST_EXPONENT {
-                let weight = (-exponent).exp();
+                let weight = exp(-exponent);
                 color += tap.color * weight;
                 variance += tap.variance * weight;
                 weights += weight;
@@ -188,7 +187,7 @@ fn filter<const FOLLOWS: bool>(params: &FilterParams, guides: &[Guide], rank: u3
     }
     let own = 1.0 / weights;
     let color = color * own;
-    let follows = (sloped_colors - slopes.dot(color)) * (own / 3.0);
+    let follows = (sloped_colors - slopes.dot(color)) * own * (1.0 / 3.0);
     Filtered {
         color,
         variance: variance * own,

@@ -18,8 +18,9 @@ use crate::memory::device_struct;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
-/// The error that allocators take as "no more samples".
-pub const CONVERGED: f32 = -1.0;
+/// The error that allocators take as "no more samples": any number below 0, but for -1. Mesa makes
+/// of a choice between 0 and -1 the negative of a truth value, which has a zero of the other sign.
+pub const CONVERGED: f32 = -2.0;
 
 /// The soft floor of relative errors, in mean radiances of the picture. Pixels much darker than
 /// this count by their absolute error: a viewer adapted to the picture does not see noise there,

@@ -36,6 +36,7 @@ use crate::film::FilmPixel;
 use crate::film::sums::PixelSums;
 use crate::film::tiles::pixel_of_rank;
 use crate::glam::Vec4;
+use crate::math::elementary::exp;
 use crate::math::{is_finite_vector, mean_of_components};
 use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
@@ -143,7 +144,7 @@ fn total_weight(params: &ControlParams, place: u32, len: u32) -> f32 {
 
 fn weight(params: &ControlParams, tap: u32, place: u32) -> f32 {
     let distance = tap as f32 - place as f32;
-    (-params.factor * distance * distance).exp()
+    exp(-params.factor * distance * distance)
 }
 
 /// Kernel: the sum of values along the row or the column of pixel `lane`, by Gaussian weights that

@@ -11,6 +11,7 @@
 //! [`PIXEL_FILTERS`](crate::scene::abilities::PIXEL_FILTERS).
 
 use crate::math::angles::sin_cos_of_turns;
+use crate::math::elementary::{exp, ln};
 use core::f32::consts::TAU;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -65,7 +66,7 @@ impl PixelFilter {
         if self.kind == TENT {
             [radius * tent_place(u[0]), radius * tent_place(u[1])]
         } else if self.kind == GAUSSIAN {
-            let deviations = (-2.0 * (1.0 - u[0] * (1.0 - BEYOND)).ln()).max(0.0).sqrt();
+            let deviations = (-2.0 * ln(1.0 - u[0] * (1.0 - BEYOND))).max(0.0).sqrt();
             let distance = deviations * (radius * (1.0 / DEVIATIONS));
             let (sine, cosine) = sin_cos_of_turns(u[1]);
             [distance * cosine, distance * sine]
@@ -85,7 +86,7 @@ impl PixelFilter {
             let squared = (x * x + y * y) * (DEVIATIONS * DEVIATIONS);
             let whole = TAU * (1.0 - BEYOND) / (DEVIATIONS * DEVIATIONS);
             return if squared < DEVIATIONS * DEVIATIONS {
-                (-0.5 * squared).exp() / whole * per_area
+                exp(-0.5 * squared) / whole * per_area
             } else {
                 0.0
             };

@@ -1,12 +1,14 @@
 //! The few functions that `glam` and `core` do not have.
 
 pub mod angles;
+pub mod elementary;
+pub mod exact;
 pub mod fixed;
 pub mod packed;
 pub mod random;
 pub mod wide;
 
-use crate::glam::Vec3;
+use crate::glam::{Vec3, Vec4};
 use angles::sin_cos_within_eighth;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -87,6 +89,12 @@ pub fn is_finite(x: f32) -> bool {
 /// The mean over the components of `v`.
 pub fn mean_of_components(v: Vec3) -> f32 {
     v.dot(Vec3::ONE) * (1.0 / 3.0)
+}
+
+/// The dot product of `a` and `b`, added up in the order of the components: processors' vector
+/// instructions have another.
+pub fn dot(a: Vec4, b: Vec4) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w
 }
 
 /// Whether all components of `v` are finite.

@@ -19,6 +19,7 @@ use crate::film::sums::PixelSums;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::{Vec2, Vec3};
 use crate::math::angles::sin_cos_of_turns;
+use crate::math::elementary::exp;
 use crate::memory::access::at;
 use crate::memory::device_struct;
 #[cfg(target_arch = "spirv")]
@@ -175,7 +176,7 @@ pub fn filter_axis_aligned(
                 && step.length_squared() <= nearest * nearest
                 && unpack_normal(tap.normal).dot(normal) >= SMALLEST_COSINE
             {
-                let weight = (-2.0 * exponent).exp();
+                let weight = exp(-2.0 * exponent);
                 light += tap.color / (tap.albedo + Vec3::splat(DARKEST)) * weight;
                 weights += weight;
             }

@@ -10,10 +10,9 @@
 use crate::estimator::guide::{Guide, mean_of_squares, unpack_normal};
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::Vec3;
+use crate::math::elementary::ln;
 use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
 
 device_struct! {
     /// The parameters of [`describe_features`]. 32 bytes.
@@ -72,7 +71,7 @@ impl Features {
         };
         if guide.is_measured() && guide.has_surface() {
             features.albedo = guide.albedo;
-            features.distance = (guide.position - origin).length().max(f32::MIN_POSITIVE).ln();
+            features.distance = ln((guide.position - origin).length().max(f32::MIN_POSITIVE));
             features.normal = unpack_normal(guide.normal);
             features.surface = 1;
         }

@@ -15,6 +15,8 @@ use super::features::{Features, UNMEASURED};
 use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::Guide;
 use crate::glam::{Vec3, Vec4};
+use crate::math::dot;
+use crate::math::elementary::{exp, pow};
 use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
 #[cfg(target_arch = "spirv")]
@@ -84,12 +86,12 @@ impl Point {
     }
 
     fn dot(&self, other: &Self) -> f32 {
-        self.low.dot(other.low) + self.normal.dot(other.normal)
+        dot(self.low, other.low) + self.normal.dot(other.normal)
     }
 
     /// How much a pixel that is so far from a manifold is on it, from 0 to 1.
     fn nearness(&self) -> f32 {
-        (-0.5 * self.dot(self)).exp()
+        exp(-0.5 * self.dot(self))
     }
 }
 
@@ -181,7 +183,7 @@ fn keep(params: &ManifoldParams, low: &[Vec4], high: &[Vec4], here: u32, there: 
         let step = here.minus(&Point::of_sums(at(low, there), at(high, there)));
         length = (1.0 + params.steepness * params.steepness * step.dot(&step)).sqrt();
     }
-    params.feedback.powf(length)
+    pow(params.feedback, length)
 }
 
 /// Kernel: what pixel `lane` splats onto a manifold.
@@ -305,7 +307,7 @@ pub fn finish_manifolds(
     let (sum, near) = (at(sums, place), at(near, place));
     *filtered = FilteredPixel { color: guide.color, own: 1.0 };
     if guide.is_measured() && sum.w > LEAST {
-        let part = (-0.5 * near.x).exp();
+        let part = exp(-0.5 * near.x);
         let color = guide.color + (sum.truncate() / sum.w - guide.color) * part;
         // What the blur, there and back along both axes, leaves of a pixel in its own place.
         let stays = (1.0 - params.feedback) / (1.0 + params.feedback);

@@ -15,10 +15,9 @@ use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::Guide;
 use crate::film::tiles::rank_of_pixel;
 use crate::glam::{Vec3, Vec4};
+use crate::math::elementary::exp;
 use crate::memory::access::{Scatter, at, local, local_mut};
 use crate::parallel::prefix::Lane;
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
 
 /// Pixels to each side that the filter sees at most.
 pub const LARGEST_WINDOW: u32 = 10;
@@ -165,7 +164,7 @@ fn add_neighbours<U: Unlikeness>(
         // Behind the last row of the window the last turn has nothing to add.
         if first + k < params.offsets() && params.contains(x + dx, y + dy) && value.w >= 0.0 {
             let apart = patch_distance::<AT_ONCE, _>(params, index, k, memory);
-            let weight = (-apart.max(U::exponent(params, known, here, there))).exp();
+            let weight = exp(-apart.max(U::exponent(params, known, here, there)));
             color += value.truncate() * weight;
             weights += weight;
         }

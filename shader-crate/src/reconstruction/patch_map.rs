@@ -8,6 +8,7 @@ use super::patches::{
     DISTANCES, PatchParams, SUMS, measure_distances, patch_distance, place_in_tile, sum_rows,
 };
 use crate::glam::Vec4;
+use crate::math::elementary::exp;
 use crate::memory::access::{Scatter, at};
 use crate::parallel::prefix::Lane;
 #[cfg(target_arch = "spirv")]
@@ -91,5 +92,5 @@ pub fn weight(map: &[u32], pixels: u32, place: u32, dx: i32, dy: i32, sharpness:
     let word = at(map, offset / PER_WORD * pixels + place);
     let steps = word >> (8 * (offset % PER_WORD)) & 0xff;
     let root = steps as f32 / STEPS;
-    if steps < FARTHEST { (-sharpness * root * root).exp() } else { 0.0 }
+    if steps < FARTHEST { exp(-sharpness * root * root) } else { 0.0 }
 }

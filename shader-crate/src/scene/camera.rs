@@ -13,6 +13,7 @@
 use crate::glam::Vec3;
 use crate::math::angles::sin_cos_of_turns;
 use crate::math::concentric_disc;
+use crate::math::elementary::arc_tangent;
 use crate::memory::device_struct;
 use crate::scene::abilities::{Abilities, CAMERAS};
 use crate::scene::ray::Ray;
@@ -228,8 +229,8 @@ impl Camera {
         // At the poles any meridian will do, but the arc tangent of nothing is undefined.
         let ahead = if level > 0.0 { ahead } else { 1.0 };
         [
-            (0.5 + right.atan2(ahead) * (1.0 / TAU)) * self.width as f32,
-            level.atan2(up) * (1.0 / PI) * self.height as f32,
+            (0.5 + arc_tangent(right, ahead) * (1.0 / TAU)) * self.width as f32,
+            arc_tangent(level, up) * (1.0 / PI) * self.height as f32,
         ]
     }
 

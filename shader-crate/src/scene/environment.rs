@@ -22,6 +22,7 @@
 
 use crate::glam::Vec3;
 use crate::math::angles::sin_cos_of_turns;
+use crate::math::elementary::arc_tangent;
 use crate::math::random::unit_float;
 use crate::math::tangent_frame;
 use crate::memory::access::at;
@@ -246,8 +247,8 @@ fn place(direction: Vec3, rotation: f32) -> (f32, f32) {
     let across = (direction.x * direction.x + direction.z * direction.z).sqrt();
     // At the poles any meridian will do, but the arc tangent of nothing is undefined.
     let ahead = if across > 0.0 { -direction.z } else { 1.0 };
-    let turns = 0.5 + direction.x.atan2(ahead) * (1.0 / TAU) + rotation;
-    (turns - turns.floor(), across.atan2(direction.y) * (1.0 / PI))
+    let turns = 0.5 + arc_tangent(direction.x, ahead) * (1.0 / TAU) + rotation;
+    (turns - turns.floor(), arc_tangent(across, direction.y) * (1.0 / PI))
 }
 
 /// An element that was drawn.

@@ -23,10 +23,9 @@
 //! ```
 
 use crate::glam::{UVec4, Vec3};
+use crate::math::elementary::exp;
 use crate::memory::access::at;
 use crate::memory::rows::{vector, word};
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
 
 /// [`MediaView::first`] of a scene whose bodies are known by nothing but their boundaries.
 pub const NO_MEDIA: u32 = u32::MAX;
@@ -214,6 +213,6 @@ impl MediaView<'_> {
         }
         let absorption = vector(at(self.rows, self.first + media.there()));
         let lost = (absorption * -distance).max(Vec3::splat(FAINTEST));
-        Vec3::new(lost.x.exp(), lost.y.exp(), lost.z.exp())
+        Vec3::new(exp(lost.x), exp(lost.y), exp(lost.z))
     }
 }

@@ -14,6 +14,7 @@
 //! ```
 
 use crate::glam::{Vec3, Vec4};
+use crate::math::elementary::pow;
 use crate::memory::access::at;
 use crate::scene::abilities::{Abilities, WIDE_TEXTURES};
 #[cfg(target_arch = "spirv")]
@@ -172,7 +173,7 @@ impl<'a, A: Abilities> TextureView<'a, A> {
 
 /// The linear value, in [0, 1], of an sRGB code from 0 to 1.
 fn linear(code: f32) -> f32 {
-    if code <= 0.04045 { code * (1.0 / 12.92) } else { ((code + 0.055) * (1.0 / 1.055)).powf(2.4) }
+    if code <= 0.04045 { code * (1.0 / 12.92) } else { pow((code + 0.055) * (1.0 / 1.055), 2.4) }
 }
 
 /// 1 from a half on, below that 0.

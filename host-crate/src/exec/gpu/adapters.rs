@@ -98,7 +98,7 @@ impl Adapters {
         if let Some(reason) = unsuitable(adapter) {
             return Err(ExecError::Unsuitable { device: adapter.get_info().name, reason });
         }
-        GpuExecutor::new(adapter, self.shader_path(adapter))
+        GpuExecutor::new(adapter, self.shader_path(adapter), self.options.exact)
     }
 
     fn shader_path(&self, adapter: &wgpu::Adapter) -> ShaderPath {

@@ -2,12 +2,14 @@
 
 mod adapters;
 mod clock;
+mod exact;
 mod pipelines;
 mod spirv;
 
 pub(super) use adapters::Adapters;
 pub use pipelines::ShaderPath;
 
+use super::arithmetic::Arithmetic;
 use super::{ExecError, Executor, Kernel, Launch, Limits, kernels};
 use clock::Clock;
 use pipelines::{Pipeline, Pipelines};
@@ -33,8 +35,13 @@ pub struct GpuExecutor {
 }
 
 impl GpuExecutor {
-    /// Opens `adapter` and compiles for it the kernels that need no scene.
-    pub fn new(adapter: &wgpu::Adapter, path: ShaderPath) -> Result<Self, ExecError> {
+    /// Opens `adapter` and compiles for it the kernels that need no scene: those that compute what
+    /// the CPU does, bit for bit, if `exact`.
+    ///
+    /// # Errors
+    /// If it cannot be opened, or cannot run the kernels; if `exact`, also if it rounds otherwise
+    /// than the CPU.
+    pub fn new(adapter: &wgpu::Adapter, path: ShaderPath, exact: bool) -> Result<Self, ExecError> {
         let name = adapter.get_info().name;
         let limits = adapter.limits();
         let wanted = wgpu::Features::TIMESTAMP_QUERY
@@ -66,7 +73,7 @@ impl GpuExecutor {
         });
 
         let unsuitable = |reason| ExecError::Unsuitable { device: name.clone(), reason };
-        let pipelines = Pipelines::new(device.clone(), path).map_err(unsuitable)?;
+        let pipelines = Pipelines::new(device.clone(), path, exact).map_err(unsuitable)?;
         let executor = Self {
             name,
             pipelines,
@@ -80,6 +87,12 @@ impl GpuExecutor {
             queue,
         };
         executor.compile(0, |kernel| !kernel.has_scene())?;
+        if exact {
+            let arithmetic = Arithmetic::of(&executor)?;
+            let unsuitable =
+                |reason| ExecError::Unsuitable { device: executor.name.clone(), reason };
+            arithmetic.check().map_err(unsuitable)?;
+        }
         Ok(executor)
     }
 

@@ -27,12 +27,13 @@ pub struct Pipelines {
 }
 
 impl Pipelines {
-    /// None yet, of the SPIR-V that was compiled.
+    /// None yet, of the SPIR-V that was compiled, or of what is made exact of it.
     ///
     /// # Errors
-    /// Why it cannot be read.
-    pub fn new(device: wgpu::Device, path: ShaderPath) -> Result<Self, String> {
-        let kernels = spirv::Kernels::parse(&bytemuck::pod_collect_to_vec::<u8, u32>(SPIRV))?;
+    /// Why it cannot be read, or what of it cannot be exact.
+    pub fn new(device: wgpu::Device, path: ShaderPath, exact: bool) -> Result<Self, String> {
+        let words = bytemuck::pod_collect_to_vec::<u8, u32>(SPIRV);
+        let kernels = spirv::Kernels::parse(&words, exact)?;
         Ok(Self { device, path, kernels, compiled: Mutex::default() })
     }
 
@@ -119,8 +120,7 @@ fn bind_group_layout(device: &wgpu::Device, kernel: &Kernel) -> wgpu::BindGroupL
             ty: wgpu::BindingType::Buffer {
                 ty: match binding.access {
                     Access::Uniform => wgpu::BufferBindingType::Uniform,
-                    Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
-                    Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
+                    access => wgpu::BufferBindingType::Storage { read_only: !access.writes() },
                 },
                 has_dynamic_offset: false,
                 min_binding_size: None,

@@ -50,7 +50,7 @@ use crate::math::power_heuristic;
 use crate::scene::abilities::Abilities;
 use crate::scene::bsdf::BsdfSample;
 use crate::scene::surface::Surface;
-use core::f32::consts::FRAC_1_PI;
+use core::f32::consts::{FRAC_1_PI, PI};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -153,7 +153,8 @@ impl Subpath {
     /// After a direction under this `cosine` has been chosen on the light with Lambert's density;
     /// `samples` are those of [`TechniqueSamples::emission`].
     pub fn emit(self, cosine: f32, samples: f32) -> Self {
-        self.leave(cosine, lambert(cosine), self.norm(samples, 0.0))
+        // As `leave` has it for that density, of which the cosine's part of 1/pi cancels.
+        Self { adjacent: PI / cosine, earlier: PI * self.norm(samples, 0.0) }
     }
 
     /// After the segment to the next vertex, `distance` long, that arrives with this `cosine` to

@@ -7,6 +7,7 @@ use super::surroundings::Surroundings;
 use crate::estimator::bilateral::{Centre, FilterParams};
 use crate::estimator::guide::{Guide, mean_of_squares};
 use crate::glam::Vec4;
+use crate::math::elementary::ln;
 use crate::math::mean_of_components;
 use crate::memory::access::at;
 #[cfg(target_arch = "spirv")]
@@ -102,9 +103,9 @@ fn inputs(guide: &Guide, halves: [Vec4; 2], about: &Surroundings, floor: f32) ->
         ratio(half_difference, half_noise),
         near.weights() / NEAR_PIXELS,
         all.weights() / PIXELS,
-        (about.albedo_spread() + SMALL_DIFFERENCE).ln(),
-        (about.normal_spread() + SMALL_DIFFERENCE).ln(),
-        (guide.samples as f32).clamp(SAMPLES[0], SAMPLES[1]).ln(),
+        ln(about.albedo_spread() + SMALL_DIFFERENCE),
+        ln(about.normal_spread() + SMALL_DIFFERENCE),
+        ln((guide.samples as f32).clamp(SAMPLES[0], SAMPLES[1])),
         about.surfaces(),
         ratio(about.largest_noise(), all_noise),
         mean_of_components(guide.albedo),
@@ -114,15 +115,15 @@ fn inputs(guide: &Guide, halves: [Vec4; 2], about: &Surroundings, floor: f32) ->
 
 /// The logarithm of a deviation, relative to a radiance, given its square.
 fn relative(variance: f32, radiance: f32) -> f32 {
-    0.5 * (variance / (radiance * radiance + SMALL_PART * variance)).ln()
+    0.5 * ln(variance / (radiance * radiance + SMALL_PART * variance))
 }
 
 fn ratio(a: f32, b: f32) -> f32 {
-    (a / b + SMALL_RATIO).ln()
+    ln(a / b + SMALL_RATIO)
 }
 
 /// A logarithm of what may be negative.
 fn signed_logarithm(x: f32) -> f32 {
-    let logarithm = (1.0 + x.abs()).ln();
+    let logarithm = ln(1.0 + x.abs());
     if x < 0.0 { -logarithm } else { logarithm }
 }

@@ -6,9 +6,9 @@ use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::{Guide, mean_of_squares};
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::{Vec3, Vec4};
+use crate::math::dot;
+use crate::math::elementary::exp;
 use crate::memory::access::at;
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
 
 /// Kernel: the filtered colour of pixel `lane` of the picture, by its own filter; black where
 /// nothing is measured.
@@ -62,7 +62,7 @@ pub fn filter(
             if !centre.is_comparable(&tap) {
                 continue;
             }
-            let mut exponent = filter.features.dot(centre.distances(&tap, dx * dx + dy * dy));
+            let mut exponent = dot(filter.features, centre.distances(&tap, dx * dx + dy * dy));
             if exponent < LARGEST_EXPONENT {
                 let raw = Contrast::of(
                     guide.color.extend(guide.variance),
@@ -74,7 +74,7 @@ pub fn filter(
                 exponent += raw.exponent(colors.x, colors.y) + smooth.exponent(colors.z, colors.w);
                 // False for NaN as well.
                 if exponent < LARGEST_EXPONENT {
-                    let weight = (-exponent).exp();
+                    let weight = exp(-exponent);
                     color += tap.color * weight;
                     weights += weight;
                     let slope = slope(filter, &raw, &smooth) * weight;
@@ -87,7 +87,7 @@ pub fn filter(
     }
     let own = 1.0 / weights;
     let color = color * own;
-    let follows = (sloped_colors - slopes.dot(color)) * (own / 3.0);
+    let follows = (sloped_colors - slopes.dot(color)) * own * (1.0 / 3.0);
     FilteredPixel { color, own: (own + follows).max(own).min(1.0) }
 }
 

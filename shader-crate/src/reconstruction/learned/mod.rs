@@ -16,9 +16,8 @@ pub mod network;
 pub mod surroundings;
 
 use crate::glam::Vec4;
+use crate::math::elementary::exp;
 use crate::memory::device_struct;
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
 
 /// The least and the largest that the network's outputs count as; they multiply by e to this power.
 ///
@@ -60,7 +59,7 @@ impl PixelFilter {
     pub fn new(outputs: [Vec4; 2], own: f32) -> Self {
         let power = |outputs: Vec4, least: Vec4, largest: Vec4| {
             let outputs = outputs.max(least).min(largest);
-            Vec4::new(outputs.x.exp(), outputs.y.exp(), outputs.z.exp(), outputs.w.exp())
+            Vec4::new(exp(outputs.x), exp(outputs.y), exp(outputs.z), exp(outputs.w))
         };
         let [features, colors] = outputs;
         Self {

@@ -6,10 +6,10 @@ use crate::estimator::bilateral::{Centre, FilterParams, LARGEST_EXPONENT};
 use crate::estimator::guide::{Guide, mean_of_squares, unpack_normal};
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
 use crate::glam::{Vec3, Vec4};
+use crate::math::dot;
+use crate::math::elementary::exp;
 use crate::math::mean_of_components;
 use crate::memory::access::at;
-#[cfg(target_arch = "spirv")]
-use spirv_std::num_traits::Float as _;
 
 /// Pixels to each side that a pixel is described by.
 const REACH: u32 = 3;
@@ -135,7 +135,7 @@ impl Surroundings {
                 if guide.is_measured() {
                     sums = sums.with_any(&guide, dx.max(dy));
                     let exponent = if centre.is_comparable(&guide) {
-                        centre.distances(&guide, 0).element_sum()
+                        dot(centre.distances(&guide, 0), Vec4::ONE)
                     } else {
                         LARGEST_EXPONENT
                     };
@@ -147,7 +147,7 @@ impl Surroundings {
                             first: at(first, tap_rank).truncate() - color,
                             second: at(second, tap_rank).truncate() - color,
                         };
-                        sums = sums.with_alike(&tap, (-exponent).exp(), dx, dy);
+                        sums = sums.with_alike(&tap, exp(-exponent), dx, dy);
                     }
                 }
             }
@@ -178,7 +178,7 @@ impl Surroundings {
         }
         if distance <= SMOOTH_REACH {
             // A Gaussian of one pixel.
-            let weight = weight * (-0.5 * (dx * dx + dy * dy) as f32).exp();
+            let weight = weight * exp(-0.5 * (dx * dx + dy * dy) as f32);
             sums.smooth += tap.color.extend(1.0) * weight;
             sums.rest.w += tap.variance * weight * weight;
         }

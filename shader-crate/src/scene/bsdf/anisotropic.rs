@@ -9,6 +9,7 @@
 use super::ggx::Ggx;
 use crate::glam::{UVec4, Vec2, Vec3};
 use crate::math::angles::sin_cos_of_turns;
+use crate::math::elementary::pow;
 use crate::memory::access::at;
 use core::f32::consts::FRAC_1_PI;
 #[cfg(target_arch = "spirv")]
@@ -98,7 +99,7 @@ impl AnisotropicAlbedos<'_> {
     pub fn directional(&self, roughness: f32, strength: f32, w: Vec3) -> Vec2 {
         let radius = (w.x * w.x + w.y * w.y).sqrt();
         let azimuth =
-            if radius > 0.0 { (w.x.abs() / radius).min(1.0).powf(2.0 / 3.0) } else { 0.0 };
+            if radius > 0.0 { pow((w.x.abs() / radius).min(1.0), 2.0 / 3.0) } else { 0.0 };
         let (rough, rough_share) = cell(roughness, ROUGHNESSES);
         let (strong, strong_share) = cell(strength, STRENGTHS);
         let smoother = self.of_roughness(rough, strong, strong_share, azimuth, w.z);

@@ -2,12 +2,12 @@
 //! what textures make of that at a point.
 
 use crate::glam::{UVec4, Vec2, Vec3, Vec4};
+use crate::math::angles::sin_cos_of_turns;
 use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::memory::device_struct;
 use crate::memory::rows::{float, vector};
 use crate::scene::abilities::Abilities;
 use crate::scene::texture::{NO_TEXTURE, TextureView};
-use core::f32::consts::TAU;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -155,8 +155,9 @@ impl Layers {
         let along = along / length.sqrt();
         let across = normal.cross(along);
         let across = if is_mirrored { -across } else { across };
-        let turn = (self.flags >> ROTATION_BIT) as f32 * (TAU / GRAIN_STEPS as f32);
-        (along * turn.cos() + across * turn.sin()).normalize()
+        let turns = (self.flags >> ROTATION_BIT) as f32 / GRAIN_STEPS as f32;
+        let (sine, cosine) = sin_cos_of_turns(turns);
+        (along * cosine + across * sine).normalize()
     }
 
     /// Whether it may have holes.

@@ -10,6 +10,7 @@
 
 use crate::glam::Vec3;
 use crate::math::angles::sin_cos_of_turns;
+use crate::math::elementary::pow;
 use core::f32::consts::{FRAC_1_PI, TAU};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -38,7 +39,7 @@ pub fn value(roughness: f32, o: Vec3, i: Vec3) -> f32 {
     let sharpness = 1.0 / (roughness * roughness);
     let h = (o + i).normalize();
     let sin2 = (h.x * h.x + h.y * h.y).max(f32::MIN_POSITIVE);
-    let distribution = (2.0 + sharpness) * sin2.powf(0.5 * sharpness) * (0.5 * FRAC_1_PI);
+    let distribution = (2.0 + sharpness) * pow(sin2, 0.5 * sharpness) * (0.5 * FRAC_1_PI);
     distribution * i.z / (4.0 * (o.z + i.z - o.z * i.z))
 }
 

@@ -18,6 +18,7 @@
 
 use super::{DIRECTION, Light, LightSample};
 use crate::glam::Vec3;
+use crate::math::angles::sin_cos_of_turns;
 use crate::math::{concentric_disc, tangent_frame};
 use crate::scene::environment::REACH;
 use crate::scene::ray::{Ray, SurfacePoint};
@@ -104,8 +105,8 @@ impl Light {
         // 1 - cosine; the sine follows from it without cancellation.
         let versine = to[0] * self.edge1.z;
         let sine = (versine * (2.0 - versine)).max(0.0).sqrt();
-        let angle = TAU * to[1];
-        let across = x * angle.cos() + y * angle.sin();
+        let (rise, run) = sin_cos_of_turns(to[1]);
+        let across = x * run + y * rise;
         let direction = (across * sine + self.normal * (1.0 - versine)).normalize();
         let extent = self.cone();
         let flux = self.radiance * (self.falloff(direction) * (extent / self.pdf));
