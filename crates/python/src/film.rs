@@ -91,7 +91,8 @@ impl Film {
         self.file.header.seconds
     }
 
-    /// The parts of the render that it has, such as ["0/4", "2/4"]; none where it is of a whole one.
+    /// The parts of the render that it has, such as ["0/4", "2/4"]; none where it is of a whole
+    /// one.
     #[getter]
     fn parts(&self) -> Vec<String> {
         self.file.header.own_parts().map(|part| part.to_string()).collect()
@@ -109,8 +110,8 @@ impl Film {
         Ok(names(self.look(py)?))
     }
 
-    /// All layers by their names; with `denoise`, the name of a filter, that of the filtered picture,
-    /// too, which takes samples in halves.
+    /// All layers by their names; with `denoise`, the name of a filter, that of the filtered
+    /// picture, too, which takes samples in halves.
     #[pyo3(signature = (*, denoise = None, device = "cpu"))]
     fn layers<'py>(
         &self,

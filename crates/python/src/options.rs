@@ -50,7 +50,8 @@ fn option_value(
     }
 }
 
-/// A value as a word of a command line: of a pair, `8x6` or `0/4`; of a list, its elements with commas.
+/// A value as a word of a command line: of a pair, `8x6` or `0/4`; of a list, its elements with
+/// commas.
 fn text_of(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     if value.is_instance_of::<PyString>() {
         return value.extract();

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// Reads a picture: an .exr, all of its layers, or a .png, as linear Rec.709.
 ///
-/// Returns a dictionary of float32 arrays, (height, width) or (height, width, 3): the channels R, G,
-/// B are "color", layer.R ... are "layer". Numbers of an EXR are as they are in the file.
+/// Returns a dictionary of float32 arrays, (height, width) or (height, width, 3): the channels R,
+/// G, B are "color", layer.R ... are "layer". Numbers of an EXR are as they are in the file.
 #[pyfunction]
 pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let read = py.detach(|| {
@@ -26,7 +26,8 @@ pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     dictionary(py, &read.map_err(|error: ImageError| python_error(&error))?)
 }
 
-/// Writes a picture: an array of shape (height, width, 3), linear Rec.709, or a dictionary of layers.
+/// Writes a picture: an array of shape (height, width, 3), linear Rec.709, or a dictionary of
+/// layers.
 ///
 /// write(path, layers, *, exposure=0.0, tone_map="soft"): an .exr has all layers, a .png shows
 /// "denoised" if that is there, else "color", with exposure in stops and the tone map soft, clip or

@@ -32,10 +32,10 @@ pub fn call_of(scene: &Scene, others: Options) -> PyResult<Call> {
 /// Renders a scene to an array of float32, (height, width, 3): linear Rec.709.
 ///
 /// render(scene, **options): the scene is a Scene, or what load() takes, with the options for that.
-/// The others are those of `raystream render`, by the same names with `_` for `-`, such as spp, time,
-/// noise, size, seed, device, integrator, allocator, estimator, denoise; options() lists them. By
-/// default 64 samples per pixel are spent, adaptively, on the best GPU or else on the CPU. With
-/// `denoise` the picture is the filtered one.
+/// The others are those of `raystream render`, by the same names with `_` for `-`, such as spp,
+/// time, noise, size, seed, device, integrator, allocator, estimator, denoise; options() lists
+/// them. By default 64 samples per pixel are spent, adaptively, on the best GPU or else on the CPU.
+/// With `denoise` the picture is the filtered one.
 ///
 /// The interpreter's lock is released; Ctrl-C ends the render with KeyboardInterrupt. Raises
 /// ValueError, OSError, MemoryError and, where a device fails, RuntimeError.

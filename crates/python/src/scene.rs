@@ -17,12 +17,12 @@ pub const OF_ARRAYS: &str = "<scene>";
 
 /// A scene: loaded by load(), or made of arrays.
 ///
-/// Scene(*, camera, size=(800, 600), meshes=(), materials=None, quads=(), lights=(),
-/// environment=None, background=None, max_depth=None, rr_depth=None, name="scene")
+/// Scene(*, camera, size=(800, 600), meshes=(), materials=None, lights=(), environment=None,
+/// background=None, max_depth=None, rr_depth=None, name="scene")
 ///
-/// All but `meshes` and `size` are what they are in scene files (docs/SCENE_FORMAT.md): dictionaries
-/// with those keys, such as Camera, Quad, PointLight and the materials make. Raises ValueError,
-/// which names the part that is wrong.
+/// All but `meshes`, `size` and `lights` are what they are in scene files (docs/SCENE_FORMAT.md):
+/// dictionaries with those keys, such as Camera, PointLight and the materials make; `lights` may be
+/// Quads, too. Raises ValueError, which names the part that is wrong.
 #[pyclass(frozen, module = "raystream")]
 pub struct Scene {
     pub scene: raystream::scene::Scene,

@@ -18,8 +18,8 @@ SMALL = {"size": (40, 30), "spp": 24, "device": "cpu", "seed": 3}
 
 def command() -> str:
     """The program `raystream`, of the same sources."""
-    default = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release/raystream"
-    program = os.environ.get("RAYSTREAM", str(default))
+    target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    program = os.environ.get("RAYSTREAM", str(target / "release/raystream"))
     if not os.path.exists(program):
         pytest.fail(f"{program}: not there; build it (cargo build --release), or set RAYSTREAM")
     return program

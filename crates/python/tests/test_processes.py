@@ -36,7 +36,8 @@ def interrupted(call):
 
 
 def test_ctrl_c_ends_a_render_soon():
-    assert interrupted(lambda: rs.render("cornell_ball", **LONG)) < 2
+    # Without it, this would take a minute. A busy machine takes seconds for a batch.
+    assert interrupted(lambda: rs.render("cornell_ball", **LONG)) < 20
 
 
 def test_ctrl_c_ends_a_round_and_the_render_goes_on(tmp_path):
@@ -136,10 +137,11 @@ def memory() -> int:
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="needs Linux's /proc")
 def test_a_thousand_renders_leave_nothing():
-    """Memory after 1100 renders is that after 100.
+    """Memory does not grow from the 100th render to the 1100th.
 
-    Sums and features alone of 1200 pixels are 128 bytes each, 150 KiB a render. What is allowed is
-    16 KiB a render: a thing of that size that stayed in one render of ten would show.
+    A line is fitted to the memory after every 50 renders. Its slope, and three of the slope's
+    standard errors, must be less than 4 KiB a render: the picture alone of 40x30 pixels has 14 KiB,
+    sums and features have 150 KiB.
     """
     scene = rs.load("cornell_ball")
 
@@ -164,11 +166,19 @@ def test_a_thousand_renders_leave_nothing():
                 renderer()
 
     renders(100)
-    before = memory()
-    renders(1000)
-    grown = memory() - before
-    print(f"\nmemory after 100 renders {before >> 20} MiB, after 1100 {grown / 2**20:+.1f} MiB")
-    assert grown < 1000 * 16 * 1024
+    measured = []
+    for _ in range(21):
+        measured.append(memory())
+        renders(50)
+    steps = 50.0 * np.arange(21)
+    line, residuals, *_ = np.polyfit(steps, measured, 1, full=True)
+    spread = np.sum((steps - steps.mean()) ** 2)
+    slope, error = line[0], np.sqrt(residuals.sum() / (len(steps) - 2) / spread)
+    print(
+        f"\nmemory {measured[0] / 2**20:.1f} to {measured[-1] / 2**20:.1f} MiB, "
+        f"slope {slope:.0f} +- {error:.0f} bytes a render"
+    )
+    assert slope + 3 * error < 4096
 
 
 def test_it_ends_with_its_process():

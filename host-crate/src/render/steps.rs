@@ -11,7 +11,8 @@ use std::time::{Duration, Instant};
 /// How often rays are counted.
 const RAY_COUNT_INTERVAL: Duration = Duration::from_secs(1);
 
-/// What [`run_watched`](super::run_watched) does, in steps, for whoever looks at a render between its rounds.
+/// What [`run_watched`](super::run_watched) does, in steps, for whoever looks at a render between
+/// its rounds.
 pub struct Run {
     clock: Clock,
     budget: Budget,
