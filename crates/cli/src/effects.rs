@@ -4,8 +4,8 @@ use super::output::say;
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 use raystream::exec::Device;
-use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind, Sampling};
-use raystream::scene::Projection;
+use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind, Sampling, Settings};
+use raystream::scene::{Projection, Scene};
 
 /// The options that stand on the command line, by their ids.
 pub struct Given(Vec<String>);
@@ -52,6 +52,17 @@ impl Facts {
     /// Those that follow from the device; the others by default.
     pub fn of_device(device: &Device) -> Self {
         Self { on_gpu: !matches!(device, Device::Cpu(..)), ..Self::default() }
+    }
+
+    /// Those of a render that begins now.
+    pub fn of_render(settings: &Settings, scene: &Scene, device: &Device) -> Self {
+        Self {
+            filters: settings.denoise.into_iter().collect(),
+            integrators: vec![settings.integrator],
+            samplings: vec![settings.sampling],
+            projection: Some(scene.camera.projection),
+            ..Self::of_device(device)
+        }
     }
 
     fn is_adaptive(&self) -> bool {
@@ -200,7 +211,8 @@ impl Given {
         }
     }
 
-    fn without_effect(&self, facts: &Facts) -> Vec<String> {
+    /// Says of each that has no effect, why.
+    pub fn without_effect(&self, facts: &Facts) -> Vec<String> {
         let broken = |id: &str| {
             RULES.iter().find(|rule| rule.options.contains(&id) && !(rule.has_effect)(facts))
         };

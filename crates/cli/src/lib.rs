@@ -1,4 +1,5 @@
-//! The command line: all of the program `raystream`, and what `raystream-mpi` shares with it.
+//! The command line: all of the program `raystream`, and what `raystream-mpi` and the Python
+//! package share with it.
 
 #![warn(
     clippy::print_stderr,
@@ -8,6 +9,7 @@
 
 mod agreement;
 mod bench;
+mod calls;
 mod camera;
 mod checkpoints;
 mod choices;
@@ -27,6 +29,7 @@ mod hints;
 mod inspect;
 mod integrators;
 mod interrupt;
+mod keywords;
 mod loading;
 mod merge;
 mod options;
@@ -41,14 +44,18 @@ mod resume;
 mod sampling;
 mod scenes;
 
+pub use self::calls::{Call, ReadyCall};
 pub use self::effects::Given;
 pub use self::ending::{CliError, Ending, FAILED, exit_status};
 pub use self::hints::with_hint;
 pub use self::interrupt::{catch as catch_signals, ignore as ignore_signals};
+pub use self::keywords::{CallOption, call_options, in_keywords};
+pub use self::merge::merged;
 pub use self::output::{say, silence};
 pub use self::processes::{Alone, Helper, Identity, Processes};
 pub use self::program::{ProgramArguments, quiet_drivers};
 pub use self::render::RenderArguments;
+pub use self::rendered::Rendered;
 pub use self::resume::ResumeArguments;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};

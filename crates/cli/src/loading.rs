@@ -96,6 +96,13 @@ impl EnvironmentArguments {
 }
 
 impl LoadArguments {
+    /// Has the paths among them start from `folder`.
+    pub fn start_from(&mut self, folder: &Path) {
+        if let Some(path) = &mut self.environment.environment {
+            *path = folder.join(&*path);
+        }
+    }
+
     /// Loads a scene by its file or, if that is what `name` is, by the name of one that ships; `-`
     /// is standard input. Prints its warnings and, unless `quiet`, that it takes long.
     pub fn load_scene(&self, name: &Path, quiet: bool) -> Result<Scene, SceneError> {
@@ -137,10 +144,15 @@ impl LoadArguments {
 
 const GIB: f64 = (1 << 30) as f64;
 
+/// Whether a scene is called by the name of one that ships.
+pub fn is_shipped(name: &Path) -> bool {
+    shipped().iter().any(|scene| Path::new(scene.name) == name)
+}
+
 /// Whether a text is the name of a scene that ships, or of none: a file of such a name is a file.
 fn is_name(text: &str, path: &Path) -> bool {
     let may_be_name = !text.contains(['/', '\\', '.']);
-    may_be_name && (shipped().iter().any(|scene| scene.name == text) || !path.exists())
+    may_be_name && (is_shipped(path) || !path.exists())
 }
 
 fn parse_elevation(text: &str) -> Result<f32, String> {

@@ -4,7 +4,7 @@ use super::command;
 use super::ending::{CliError, Ending};
 use super::output::{self, is_same_file};
 use clap::Args;
-use raystream::film_file::{self, FilmFile};
+use raystream::film_file::{self, FilmFile, FilmFileError};
 use std::path::PathBuf;
 
 /// The options of `raystream merge`.
@@ -29,20 +29,30 @@ pub fn run(arguments: &MergeArguments) -> Result<Ending, CliError> {
         let path = output.display();
         return Err(format!("{path}: -o would replace a part; name another file").into());
     }
-    let mut film = film_file::merge(&arguments.films)?;
-    // The sum of all parts is none.
-    command::remove_option(&mut film.header.command, "--part");
+    let (film, warning) = merged(&arguments.films)?;
     film.write(output)?;
-    // All parts are of as many.
-    let count = film.header.own_parts().next().map_or(0, |part| part.count as usize);
-    let missing = count - film.header.own_parts().count();
-    if missing > 0 {
-        output::say(&format!(
-            "warning: {missing} of {count} parts are missing: the picture is as good as its samples"
-        ));
+    if let Some(what) = warning {
+        output::say(&format!("warning: {what}"));
     }
     if !arguments.quiet {
         output::say(&format!("wrote {}", output.display()));
     }
     Ok(Ending::Done)
+}
+
+/// The film of all films, and what to know of it.
+///
+/// # Errors
+/// If a film cannot be read, or they do not go together.
+pub fn merged(films: &[PathBuf]) -> Result<(FilmFile, Option<String>), FilmFileError> {
+    let mut film = film_file::merge(films)?;
+    // The sum of all parts is none.
+    command::remove_option(&mut film.header.command, "--part");
+    // All parts are of as many.
+    let count = film.header.own_parts().next().map_or(0, |part| part.count as usize);
+    let missing = count - film.header.own_parts().count();
+    let warning = (missing > 0).then(|| {
+        format!("{missing} of {count} parts are missing: the picture is as good as its samples")
+    });
+    Ok((film, warning))
 }

@@ -65,6 +65,11 @@ impl OpenArguments {
 }
 
 impl DeviceArguments {
+    /// All that they say.
+    pub fn in_words(&self) -> String {
+        format!("{} {:?}", self.device, self.open.options())
+    }
+
     /// Opens the device that was asked for.
     pub fn open(&self) -> Result<Device, ExecError> {
         Device::open_with(&self.device, self.open.options())
@@ -198,6 +203,21 @@ impl SettingsArguments {
     /// The integrator.
     pub fn integrator(&self) -> IntegratorKind {
         self.integrator
+    }
+
+    /// How the hierarchy is built.
+    pub fn bvh(&self) -> BvhQuality {
+        self.bvh
+    }
+
+    /// How scenes are loaded.
+    pub fn loading(&mut self) -> &mut LoadArguments {
+        &mut self.load
+    }
+
+    /// Loads a scene without a word; see [`LoadArguments::load_silently`].
+    pub fn load_silently(&self, name: &Path) -> Result<Scene, SceneError> {
+        self.load.load_silently(name, true)
     }
 
     /// Loads a scene; see [`LoadArguments::load_scene`].

@@ -27,7 +27,7 @@ use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{
     Budget, FilterKind, LocalWorker, PreparedScene, Renderer, Settings, Split, Worker, run_watched,
 };
-use raystream::scene::{DEFAULT_SCENE, FilmSize};
+use raystream::scene::{DEFAULT_SCENE, FilmSize, Scene};
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ pub struct RenderArguments {
     /// A scene file, a glTF (.gltf, .glb), a PLY, the name of a scene that ships (see `raystream
     /// scenes`), or - for a scene on standard input, whose paths start from the working folder.
     #[arg(default_value = DEFAULT_SCENE)]
-    scene: PathBuf,
+    pub(crate) scene: PathBuf,
     /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be
     /// given several times [default: the scene's name with .png].
     #[arg(short, long, value_name = "FILE")]
@@ -54,9 +54,9 @@ pub struct RenderArguments {
     #[command(flatten)]
     sampling: SamplingArguments,
     #[command(flatten)]
-    settings: SettingsArguments,
+    pub(crate) settings: SettingsArguments,
     #[command(flatten)]
-    device: DeviceArguments,
+    pub(crate) device: DeviceArguments,
     /// Take noise out of the picture with a filter [default filter: auto]. An EXR has the
     /// result as the layer `denoised` beside everything else, a PNG shows it, and --noise means the
     /// error that is left in it.
@@ -98,6 +98,9 @@ pub struct RenderArguments {
     /// The frame that is being rendered.
     #[arg(skip)]
     frame: Option<u32>,
+    /// How to call the render again, where that is not the command line of this process.
+    #[arg(skip)]
+    pub(crate) called: Option<Command>,
 }
 
 /// Samples per pixel go up to this: beyond, sample counts in an f32 are not exact.
@@ -165,28 +168,19 @@ pub fn go_on(
         arguments.check_files(&outputs)?;
     }
     let (device, others) = arguments.device.open_all()?;
-    let mut settings = Settings {
-        sampling: arguments.sampling.sampling(),
-        denoise: arguments.denoise,
-        ..arguments.settings.settings(&scene)
-    };
-    given.warn(&Facts {
-        filters: settings.denoise.into_iter().collect(),
-        integrators: vec![settings.integrator],
-        samplings: vec![settings.sampling],
-        projection: Some(scene.camera.projection),
-        writes_png: outputs.iter().any(|path| is_png(path)),
-        ..Facts::of_device(&device)
-    });
+    let mut settings = arguments.all_settings(&scene);
+    let writes_png = outputs.iter().any(|path| is_png(path));
+    given.warn(&Facts { writes_png, ..Facts::of_render(&settings, &scene, &device) });
     let (triangles, FilmSize { width, height }) = (scene.triangle_count(), settings.size);
     let on = description(&device, &others);
     arguments
         .say(&format!("{}: {triangles} triangles, {width}x{height} pixels, on {on}", scene.name));
     let name = scene.name.clone();
     let prepared = arguments.settings.prepare(scene, arguments.quiet)?;
-    arguments.fall_back_on_large_films(&device, &mut settings);
-    let kinds = std::iter::once(&device).chain(&others).map(|device| device.name().to_owned());
-    let kinds = kinds.collect();
+    if let Some(what) = arguments.fall_back_on_large_films(&device, &mut settings) {
+        output::say(&format!("warning: {what}"));
+    }
+    let kinds = kinds(&device, &others);
     let (prepared, device, others) = (&prepared, &device, others.as_slice());
     let mut job = Job { arguments, from, device, others, on, kinds, prepared, settings, name };
     if processes.is_helper() {
@@ -206,22 +200,27 @@ fn description(device: &Device, others: &[Device]) -> String {
     names.join(", ")
 }
 
+/// What kinds of devices there are.
+pub fn kinds(device: &Device, others: &[Device]) -> BTreeSet<String> {
+    std::iter::once(device).chain(others).map(|device| device.name().to_owned()).collect()
+}
+
 /// All that a render is made of.
-struct Job<'a> {
-    arguments: &'a RenderArguments,
-    from: Option<&'a Resumed>,
+pub struct Job<'a> {
+    pub arguments: &'a RenderArguments,
+    pub from: Option<&'a Resumed>,
     /// Who has the film.
-    device: &'a Device,
+    pub device: &'a Device,
     /// Who else traces.
-    others: &'a [Device],
+    pub others: &'a [Device],
     /// What they are called.
-    on: String,
+    pub on: String,
     /// What kinds of devices they are: those of one kind make the same film.
-    kinds: BTreeSet<String>,
-    prepared: &'a PreparedScene,
-    settings: Settings,
+    pub kinds: BTreeSet<String>,
+    pub prepared: &'a PreparedScene,
+    pub settings: Settings,
     /// Of the scene.
-    name: String,
+    pub name: String,
 }
 
 impl Job<'_> {
@@ -265,21 +264,29 @@ impl Job<'_> {
         }
     }
 
-    fn render(&self, helpers: Vec<Helper>) -> Result<Rendered, CliError> {
+    /// The render as it begins or goes on, with workers on all devices of this process.
+    pub fn renderer(&self) -> Result<Renderer, CliError> {
         let part = self.arguments.checkpoints.part;
         let settings = self.settings();
-        let mut keeper = self.keeper()?;
-        let mut renderer = Renderer::new(self.device, self.prepared, &settings)?;
+        let mut renderer = Renderer::new(self.device.clone(), self.prepared, &settings)?;
         for other in self.others {
             renderer.add_worker(self.worker(other)?);
         }
-        helpers.into_iter().for_each(|helper| renderer.add_worker(helper.worker));
         if let Some(Resumed { film, .. }) = self.from {
             renderer.restore(&film.checkpoint)?;
-            let samples = renderer.paths() as f64 / f64::from(renderer.pixels());
-            self.arguments.say(&format!("going on from {samples:.2} samples per pixel"));
         } else if let Some(part) = part.filter(|_| is_of_one_sequence(&settings)) {
             renderer.skip_samples(part.of(self.arguments.spp.unwrap_or_default()).start)?;
+        }
+        Ok(renderer)
+    }
+
+    fn render(&self, helpers: Vec<Helper>) -> Result<Rendered, CliError> {
+        let mut keeper = self.keeper()?;
+        let mut renderer = self.renderer()?;
+        helpers.into_iter().for_each(|helper| renderer.add_worker(helper.worker));
+        if self.from.is_some() {
+            let samples = renderer.paths() as f64 / f64::from(renderer.pixels());
+            self.arguments.say(&format!("going on from {samples:.2} samples per pixel"));
         }
         let mut display = ProgressDisplay::new(self.arguments.quiet);
         let mut watch = RenderWatch { display: &mut display, keeper: keeper.as_mut() };
@@ -298,9 +305,17 @@ impl Job<'_> {
 
     /// Who keeps the film, if that was asked for.
     fn keeper(&self) -> Result<Option<Keeper>, CliError> {
-        let CheckpointArguments { checkpoint, checkpoint_every, part } =
-            &self.arguments.checkpoints;
+        let CheckpointArguments { checkpoint, checkpoint_every, .. } = &self.arguments.checkpoints;
         let Some(path) = checkpoint else { return Ok(None) };
+        let (header, warning) = self.header(path)?;
+        if let Some(what) = warning {
+            output::say(&format!("warning: {what}"));
+        }
+        Ok(Some(Keeper::new(path, *checkpoint_every, header)))
+    }
+
+    /// What a film file says of the render, and what to know where it goes on from `path`.
+    pub fn header(&self, path: &Path) -> Result<(Header, Option<String>), CliError> {
         let film = self.from.map(|from| &from.film.header);
         let settings = &self.settings;
         let header = Header {
@@ -310,30 +325,32 @@ impl Job<'_> {
             scene_digest: scene_digest(self.prepared),
             settings: in_words(settings),
             device: Vec::from_iter(self.kinds.clone()).join(", "),
-            part: *part,
+            part: self.arguments.checkpoints.part,
             merged: film.map(|film| film.merged.clone()).unwrap_or_default(),
             command: self.command()?,
             seconds: self.seconds_before(),
             camera: self.prepared.parameters(settings).camera,
             has_control: settings.whole_sampling().split() == Split::Control,
         };
-        if let Some(film) = film {
-            check_film(path, film, &header)?;
-            if film.device != header.device {
-                output::say(&format!(
-                    "warning: begun on {}: the picture will be right, but not the same to the last \
-                     bit as from one device",
-                    film.device
-                ));
-            }
-        }
-        Ok(Some(Keeper::new(path, *checkpoint_every, header)))
+        let Some(film) = film else { return Ok((header, None)) };
+        check_film(path, film, &header)?;
+        let warning = (film.device != header.device).then(|| {
+            format!(
+                "begun on {}: the picture will be right, but not the same to the last bit as from \
+                 one device",
+                film.device
+            )
+        });
+        Ok((header, warning))
     }
 
     /// How to call the render again.
     fn command(&self) -> Result<Command, CliError> {
         if let Some(from) = self.from {
             return Ok(from.command.clone());
+        }
+        if let Some(command) = &self.arguments.called {
+            return Ok(command.clone());
         }
         let mut command = command::of_this_process()?;
         if let Some(frame) = self.arguments.frame {
@@ -368,11 +385,12 @@ impl Job<'_> {
     }
 
     /// Seconds that the render took before.
-    fn seconds_before(&self) -> f64 {
+    pub fn seconds_before(&self) -> f64 {
         self.from.map_or(0.0, |from| from.film.header.seconds)
     }
 
-    fn budget(&self) -> Result<Budget, CliError> {
+    /// When the render ends.
+    pub fn budget(&self) -> Result<Budget, CliError> {
         let RenderArguments { time, spp, checkpoints, .. } = self.arguments;
         let has_no_other_end = time.is_none() && self.settings.sampling.noise.is_none();
         let samples = spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES));
@@ -476,17 +494,26 @@ impl RenderArguments {
         }
     }
 
-    /// Samples uniformly where errors cannot be estimated and nobody asked for it.
-    fn fall_back_on_large_films(&self, device: &Device, settings: &mut Settings) {
-        if let Some(sampling) = self.sampling.fallback()
-            && let Err(error) = EstimateBuffers::check(device, settings.size)
-        {
-            output::say(&format!(
-                "warning: {}; sampling every pixel equally instead (--allocator uniform)",
-                with_hint(&error)
-            ));
-            settings.sampling = sampling;
+    /// What is rendered of `scene`, and how.
+    pub fn all_settings(&self, scene: &Scene) -> Settings {
+        Settings {
+            sampling: self.sampling.sampling(),
+            denoise: self.denoise,
+            ..self.settings.settings(scene)
         }
+    }
+
+    /// Samples uniformly where errors cannot be estimated and nobody asked for it; then says why.
+    pub fn fall_back_on_large_films(
+        &self,
+        device: &Device,
+        settings: &mut Settings,
+    ) -> Option<String> {
+        let sampling = self.sampling.fallback()?;
+        let error = EstimateBuffers::check(device, settings.size).err()?;
+        settings.sampling = sampling;
+        let why = with_hint(&error);
+        Some(format!("{why}; sampling every pixel equally instead (--allocator uniform)"))
     }
 
     /// Writes the pictures, and the layers beside them.

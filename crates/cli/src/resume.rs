@@ -79,7 +79,7 @@ pub fn run(
 
 impl ResumeArguments {
     /// How the render of `film` goes on.
-    fn command(&self, film: &FilmFile) -> film_file::Command {
+    pub(crate) fn command(&self, film: &FilmFile) -> film_file::Command {
         let mut command = film.header.command.clone();
         let seconds = |more: Duration| film.header.seconds + more.as_secs_f64();
         let stops = [

@@ -17,6 +17,7 @@ pub mod round;
 pub mod run;
 pub mod scene;
 pub mod settings;
+mod steps;
 mod team;
 mod timings;
 
@@ -34,5 +35,6 @@ pub use settings::pixel_filter::{PixelFilter, PixelFilterShape};
 pub use settings::reconstruction::FilterKind;
 pub use settings::sampling::{AllocatorKind, Sampling, Split};
 pub use settings::{IntegratorKind, Settings, Techniques};
+pub use steps::Run;
 pub use team::{FilmTransfer, Link, LocalWorker, Peer, RemoteWorker, Way, Worker, serve};
 pub use timings::{Part, Timings};

@@ -3,7 +3,7 @@
 use super::description::Scene;
 use super::error::SceneError;
 use super::formats;
-use super::memory::Memory;
+use super::memory::{Memory, Over};
 use super::options::LoadOptions;
 use super::shipped::{self, DEFAULT_SCENE};
 use super::source::{Disk, SceneBytes, read_up_to};
@@ -52,6 +52,20 @@ impl LoadOptions {
         scene: &Path,
     ) -> Result<Scene, SceneError> {
         formats::load_from(&Memory(files), scene, self)
+    }
+
+    /// As [`load_files`](Self::load_files), but what is not in memory is read from the disk: for
+    /// meshes of a program, with textures of files.
+    ///
+    /// # Errors
+    ///
+    /// As [`load`](Self::load).
+    pub fn load_files_over_disk(
+        &self,
+        files: &BTreeMap<PathBuf, Vec<u8>>,
+        scene: &Path,
+    ) -> Result<Scene, SceneError> {
+        formats::load_from(&Over(Memory(files)), scene, self)
     }
 
     /// Loads the scene that ships under the name `name`.

@@ -1,7 +1,7 @@
 //! Files in memory, as a place to load a scene from.
 
 use super::error::SceneError;
-use super::source::Source;
+use super::source::{Disk, Source};
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
@@ -33,6 +33,20 @@ impl Source for Memory<'_> {
     }
 }
 
+/// Files of the disk, but for those that are in memory.
+pub(super) struct Over<'a>(pub Memory<'a>);
+
+impl Source for Over<'_> {
+    fn find(&self, folder: &Path, name: &Path) -> Option<PathBuf> {
+        self.0.find(folder, name).or_else(|| Disk.find(folder, name))
+    }
+
+    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, SceneError> {
+        let Self(Memory(files)) = self;
+        if files.contains_key(path) { self.0.read(path, limit) } else { Disk.read(path, limit) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::scene::{LoadOptions, SceneError};
@@ -56,5 +70,24 @@ mod tests {
         assert!(matches!(load(&files), Err(SceneError::Missing { .. })));
         files.clear();
         assert!(matches!(load(&files), Err(SceneError::Read { .. })));
+    }
+    #[test]
+    fn files_in_memory_lie_over_those_of_the_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        let on_disk = folder.path().join("a.mtl");
+        std::fs::write(&on_disk, "newmtl a\nKe 1 1 1").unwrap();
+        let json = format!(
+            r#"{{"format": 2, "name": "x", "film": {{"width": 8, "height": 6}},
+            "meshes": [{{"file": {:?}}}],
+            "camera": {{"origin": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y": 40}}}}"#,
+            folder.path().join("a.obj")
+        );
+        let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+        let files = [("s.json".into(), json), (folder.path().join("a.obj"), obj.to_owned())];
+        let files = files.map(|(path, text)| (path, text.into_bytes())).into();
+        let load = || LoadOptions::default().load_files_over_disk(&files, Path::new("s.json"));
+        assert!(load().unwrap().emits());
+        std::fs::remove_file(on_disk).unwrap();
+        assert!(!load().unwrap().emits());
     }
 }
