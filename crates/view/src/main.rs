@@ -1,0 +1,3 @@
+//! Raystream's window.
+
+fn main() {}
