@@ -48,7 +48,7 @@ impl Choices {
             },
             integrator: self.integrator,
             denoise: self.filter,
-            stream_slots: Some(slots(16, base)),
+            stream_slots: Some(slots(8, base)),
             ..*base
         }
     }
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(settings.sampling.noise, Some(0.25));
         assert_eq!(settings.integrator, IntegratorKind::Streaming);
         assert_eq!(settings.denoise, Some(FilterKind::Nlm));
-        assert_eq!(settings.stream_slots, Some(16 * 64 * 48));
+        assert_eq!(settings.stream_slots, Some(8 * 64 * 48));
     }
 
     #[test]

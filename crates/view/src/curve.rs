@@ -1,6 +1,7 @@
 //! The error over time.
 
 use crate::news::Status;
+use glam::DVec3;
 use raystream::film::Film;
 
 /// The relative error of a film's picture by the variance of its samples: the root of the mean
@@ -10,12 +11,22 @@ use raystream::film::Film;
 /// It is the same measure whatever decides about samples, so that renders can be compared. As any
 /// variance of few samples it knows nothing of light that has not been found.
 pub fn relative_error(film: &Film) -> Option<f64> {
-    let components = |pixels: Vec<glam::Vec3>| {
-        let sum = pixels.iter().map(|p| f64::from(p.x) + f64::from(p.y) + f64::from(p.z));
-        sum.sum::<f64>() / (3.0 * pixels.len() as f64)
-    };
-    let (variance, mean) = (components(film.variance()), components(film.plain()));
-    let error = variance.sqrt() / mean;
+    let (mut variance, mut mean) = (0.0, 0.0);
+    // As `Film::variance` and `Film::plain`, without a picture of each: this is done often.
+    for pixel in &film.radiance {
+        let n = f64::from(pixel.samples());
+        if n < 2.0 {
+            return None;
+        }
+        let m = (pixel.first_sum.as_dvec3() + pixel.second_sum.as_dvec3()) / n;
+        let squares = pixel.sum_of_squares.as_dvec3() / n;
+        variance += ((squares - m * m) / (n - 1.0)).max(DVec3::ZERO).element_sum();
+        mean += m.element_sum();
+    }
+    let splats = film.splats.iter().flatten();
+    mean += splats.map(|splat| splat.as_dvec3().element_sum()).sum::<f64>();
+    let components = 3.0 * film.radiance.len() as f64;
+    let error = (variance / components).sqrt() / (mean / components);
     (error.is_finite() && mean > 0.0).then_some(error)
 }
 
@@ -130,6 +141,26 @@ mod tests {
         let black = FilmPixel { first_samples: 9, ..FilmPixel::default() };
         let film = Film::new(1, 1, vec![black], vec![FeaturePixel::default()]);
         assert_eq!(relative_error(&film), None);
+    }
+
+    #[test]
+    fn the_error_is_by_the_films_own_variance() {
+        let pixel = |i: u32| FilmPixel {
+            first_sum: glam::Vec3::new(1.0, 2.0, 3.0) * i as f32,
+            first_samples: i + 1,
+            second_sum: glam::Vec3::new(3.0, 1.0, 0.5) * i as f32,
+            second_samples: 2,
+            sum_of_squares: glam::Vec3::new(9.0, 8.0, 7.0) * (i * i) as f32,
+            ..FilmPixel::default()
+        };
+        let mut film =
+            Film::new(9, 1, (1..10).map(pixel).collect(), vec![FeaturePixel::default(); 9]);
+        film.splats = Some(vec![glam::Vec3::new(0.5, 0.0, 1.0); 9]);
+        let mean = |pixels: Vec<glam::Vec3>| {
+            pixels.iter().map(|p| p.as_dvec3().element_sum()).sum::<f64>() / 27.0
+        };
+        let expected = mean(film.variance()).sqrt() / mean(film.plain());
+        assert!((relative_error(&film).unwrap() / expected - 1.0).abs() < 1e-5);
     }
 
     #[test]

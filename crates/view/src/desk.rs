@@ -21,6 +21,8 @@ pub struct Order {
     pub stops: Stops,
     /// Whether to pause.
     pub paused: bool,
+    /// Whether pictures should have all that can be computed of them.
+    pub all: bool,
     /// With another number the scene is loaded anew.
     pub reload: u64,
 }
@@ -35,6 +37,7 @@ impl Order {
             sides: vec![Choices::default()],
             stops: Stops::default(),
             paused: false,
+            all: false,
             reload: 0,
         }
     }
@@ -42,8 +45,8 @@ impl Order {
     /// Whether what has been rendered for `other` is a part of what this wants.
     pub fn continues(&self, other: &Self) -> bool {
         let same_noise = self.stops.noise == other.stops.noise;
-        let (stops, paused) = (other.stops, other.paused);
-        same_noise && Self { stops, paused, ..self.clone() } == *other
+        let (stops, paused, all) = (other.stops, other.paused, other.all);
+        same_noise && Self { stops, paused, all, ..self.clone() } == *other
     }
 }
 
@@ -196,7 +199,7 @@ mod tests {
         assert_eq!(desk.order(&order), first);
         let stops = Stops { samples: Some(9), time: Some(Duration::MAX), noise: None };
         assert_eq!(desk.order(&Order { stops, ..order.clone() }), first);
-        assert_eq!(desk.order(&Order { stops, paused: true, ..order.clone() }), first);
+        assert_eq!(desk.order(&Order { stops, paused: true, all: true, ..order.clone() }), first);
         assert!(!desk.is_outdated(first));
         for other in other_orders(&order) {
             let version = desk.order(&other);

@@ -34,6 +34,10 @@ pub fn inspect(film: &Film, [x, y]: [u32; 2]) -> Vec<(&'static str, String)> {
     if let Some(squared) = pixel.squared_error() {
         rows.push(("est. error", short(squared[0].sqrt())));
     }
+    // Those of a moving camera, and of the first pictures, are not there yet.
+    if pixel.features[0].samples == 0 {
+        return rows;
+    }
     rows.push(("albedo", vector(pixel.albedo()[0])));
     if pixel.features[0].hits == 0 {
         rows.push(("surface", "none".to_owned()));
@@ -75,6 +79,13 @@ pub fn progress(status: &Status) -> String {
         format!("{:.0}", status.samples)
     };
     format!("{samples} spp   {rate:.1} Mrays/s   {seconds:.1} s   error {error}")
+}
+
+/// What part of the time went into showing, in a sentence.
+pub fn showing(status: &Status) -> String {
+    let (time, showing) = (status.time.as_secs_f64(), status.showing.as_secs_f64());
+    let share = if showing > 0.0 { 100.0 * showing / (time + showing) } else { 0.0 };
+    format!("{share:.1} % of the time went into showing it")
 }
 
 /// What the thread is at, in some words; `stop` is what ended the render in front.
@@ -125,7 +136,7 @@ mod tests {
             2,
             1,
             vec![FilmPixel::default(), radiance],
-            vec![FeaturePixel::default(), feature],
+            vec![FeaturePixel { samples: 1, ..FeaturePixel::default() }, feature],
         )
     }
 
@@ -162,6 +173,9 @@ mod tests {
         assert_eq!(value(&rows, "samples").as_deref(), Some("0"));
         assert_eq!(value(&rows, "surface").as_deref(), Some("none"));
         assert_eq!((value(&rows, "std. error"), value(&rows, "depth")), (None, None));
+        let mut without = film();
+        without.features = vec![FeaturePixel::default(); 2];
+        assert_eq!(value(&inspect(&without, [1, 0]), "albedo"), None);
         assert_eq!(inspect(&film(), [2, 0]), []);
         assert_eq!(inspect(&film(), [0, 1]), []);
     }

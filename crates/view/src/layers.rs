@@ -74,6 +74,11 @@ impl Layer {
         matches!(self, Self::Beauty | Self::Denoised)
     }
 
+    /// Whether a film must have all that can be computed of it.
+    pub fn wants_all(self) -> bool {
+        matches!(self, Self::Denoised | Self::Albedo | Self::Normal | Self::Depth)
+    }
+
     /// Its numbers, if it has one for each pixel.
     pub fn numbers(self, film: &Film) -> Option<Vec<f32>> {
         match self {

@@ -1,3 +1,7 @@
-//! Raystream's window.
+//! The program `raystream-view`.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    raystream_view::program::main()
+}

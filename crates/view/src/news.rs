@@ -17,6 +17,9 @@ pub struct Frame {
     pub film: Arc<Film>,
     /// Whether the camera is moving: the film is then smaller than the picture.
     pub moving: bool,
+    /// Whether the film has all that can be computed of it: corrections, features, estimates and the
+    /// filtered picture.
+    pub all: bool,
     /// How far it is.
     pub status: Status,
 }
@@ -98,7 +101,7 @@ mod tests {
     fn frame(version: u64, side: usize, samples: f64) -> Frame {
         let film = Arc::new(Film::new(0, 0, Vec::new(), Vec::new()));
         let status = Status { samples, ..Status::default() };
-        Frame { version, side, film, moving: false, status }
+        Frame { version, side, film, moving: false, all: true, status }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! How long rounds are, how often the picture is shown, and how small it is while the camera moves.
+//! How often the picture is shown, and how small it is while the camera moves.
 
 use std::time::{Duration, Instant};
 
@@ -7,9 +7,13 @@ const SHORTEST_INTERVAL: Duration = Duration::from_millis(100);
 /// Showing takes one part of so many of the time, at most.
 const SHARE: u32 = 25;
 
+/// So much more it may take, so that a render is looked at often while it changes most.
+const CREDIT: Duration = Duration::from_millis(500);
+
 /// When the next picture is due: often, but so that showing takes a small part of the time.
 #[derive(Clone, Copy, Debug)]
 pub struct Shows {
+    start: Instant,
     last: Option<Instant>,
     /// How long the last one took.
     cost: Duration,
@@ -18,15 +22,17 @@ pub struct Shows {
 }
 
 impl Shows {
-    /// The first picture is due at once.
-    pub fn new() -> Self {
-        Self { last: None, cost: Duration::ZERO, total: Duration::ZERO }
+    /// Of a render that begins now. The first picture is due at once.
+    pub fn new(now: Instant) -> Self {
+        Self { start: now, last: None, cost: Duration::ZERO, total: Duration::ZERO }
     }
 
-    /// Whether a picture is due.
+    /// Whether a picture is due, which will take as long as the last one.
     pub fn is_due(&self, now: Instant) -> bool {
-        let interval = SHORTEST_INTERVAL.max(self.cost * (SHARE - 1));
-        self.last.is_none_or(|last| now.saturating_duration_since(last) >= interval)
+        let Some(last) = self.last else { return true };
+        let affordable = now.saturating_duration_since(self.start) / SHARE + CREDIT;
+        let is_affordable = self.total + self.cost <= affordable;
+        is_affordable && now.saturating_duration_since(last) >= SHORTEST_INTERVAL.max(self.cost)
     }
 
     /// A picture has been made, in so much time.
@@ -38,38 +44,6 @@ impl Shows {
     /// Time that all pictures took.
     pub fn total(&self) -> Duration {
         self.total
-    }
-}
-
-impl Default for Shows {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// A round should take this long, so that pictures and stops are in time.
-const ROUND: Duration = Duration::from_millis(500);
-
-/// How many paths a round may trace.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RoundLength {
-    paths_per_second: Option<f64>,
-}
-
-impl RoundLength {
-    /// So many paths have taken so much time.
-    pub fn record(&mut self, paths: u64, time: Duration) {
-        if paths > 0 && time > Duration::ZERO {
-            self.paths_per_second = Some(paths as f64 / time.as_secs_f64());
-        }
-    }
-
-    /// Paths of the next round of a picture of `pixels`: at least one each, or a few more where
-    /// nothing is known.
-    pub fn paths(&self, pixels: u32) -> u64 {
-        let pixels = u64::from(pixels);
-        let paths = self.paths_per_second.map(|rate| (rate * ROUND.as_secs_f64()) as u64);
-        paths.unwrap_or(8 * pixels).max(pixels)
     }
 }
 
@@ -122,7 +96,7 @@ mod tests {
     #[test]
     fn showing_takes_a_small_part_of_the_time() {
         for cost in [MS, 10 * MS, 300 * MS] {
-            let (mut shows, start) = (Shows::new(), Instant::now());
+            let (mut shows, start) = (Shows::new(Instant::now()), Instant::now());
             let (mut now, mut shown) = (start, 0_u32);
             while now < start + 60_000 * MS {
                 if shows.is_due(now) {
@@ -139,20 +113,29 @@ mod tests {
     }
 
     #[test]
-    fn the_first_picture_is_due_at_once() {
-        assert!(Shows::new().is_due(Instant::now()));
+    fn what_costs_little_is_shown_often_and_what_costs_more_often_at_first() {
+        let shown_in = |seconds: u32, cost: Duration| {
+            let start = Instant::now();
+            let (mut shows, mut now, mut shown) = (Shows::new(start), start, 0);
+            while now < start + seconds * 1000 * MS {
+                if shows.is_due(now) {
+                    now += cost;
+                    shows.shown(now, cost);
+                    shown += 1;
+                }
+                now += MS;
+            }
+            shown
+        };
+        assert!((9..=10).contains(&shown_in(1, 2 * MS)));
+        assert!(shown_in(2, 100 * MS) >= 5);
+        assert!(shown_in(100, 100 * MS) <= 46);
     }
 
     #[test]
-    fn rounds_are_as_long_as_the_device_is_fast() {
-        let mut length = RoundLength::default();
-        assert_eq!(length.paths(100), 800);
-        length.record(10_000, Duration::from_secs(1));
-        assert_eq!(length.paths(100), 5000);
-        assert_eq!(length.paths(9000), 9000, "every pixel gets one");
-        length.record(0, Duration::from_secs(1));
-        length.record(10, Duration::ZERO);
-        assert_eq!(length.paths(100), 5000, "what says nothing changes nothing");
+    fn the_first_picture_is_due_at_once() {
+        let now = Instant::now();
+        assert!(Shows::new(now).is_due(now));
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub enum StageError {
 }
 
 /// Which scene, and how it is loaded.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneChoice {
     /// A file, or the name of a scene that ships.
     pub name: PathBuf,

@@ -2,9 +2,9 @@
 
 use crate::choices::Stops;
 use crate::desk::{Desk, Order, Placed};
-use crate::news::Activity;
+use crate::news::{Activity, Frame};
 use crate::pace::MovingSize;
-use crate::side::Side;
+use crate::side::{Shot, Side};
 use crate::stage::{SceneChoice, Stage, StageError};
 use raystream::exec::Device;
 use raystream::render::{PreparedScene, Settings};
@@ -64,6 +64,12 @@ impl Drop for RenderThread {
     }
 }
 
+/// A render, and whether its last picture has all that can be computed of it.
+struct Running {
+    side: Side,
+    has_all: bool,
+}
+
 /// What the thread has.
 struct Studio<'d> {
     desk: &'d Desk,
@@ -109,12 +115,13 @@ impl Studio<'_> {
                 return Ok(());
             };
             let goes_on = is_first || !latest.order.paused;
-            if goes_on && self.turn(&mut sides, &latest.order, *version)? {
+            if goes_on && self.turn(&mut sides, &latest)? {
                 self.desk.is_at(Activity::Rendering);
                 if std::mem::take(&mut is_first) && order.moving {
                     self.size.record(start.elapsed());
                 }
             } else {
+                self.complete(&mut sides, &latest)?;
                 self.desk.is_at(if goes_on { Activity::Ended } else { Activity::Paused });
                 self.desk.wait(Some(latest.number));
             }
@@ -122,25 +129,46 @@ impl Studio<'_> {
     }
 
     /// Has the render that is behind in time go on. Returns whether there is one.
-    fn turn(&self, sides: &mut [Side], order: &Order, version: u64) -> Result<bool, StageError> {
+    fn turn(&self, sides: &mut [Running], placed: &Placed) -> Result<bool, StageError> {
+        let Placed { order, version, .. } = placed;
         let stops = if order.moving { MOVING } else { order.stops };
-        for (number, side) in sides.iter_mut().enumerate() {
-            let before = side.stop();
-            if side.check(&stops)?.is_some() && before.is_none() {
-                let frame = side.show(version, number, order.moving)?;
-                self.desk.tell(|news| news.add(frame));
+        for (number, running) in sides.iter_mut().enumerate() {
+            let before = running.side.stop();
+            if running.side.check(&stops)?.is_some() && before.is_none() {
+                self.show(number, running, placed)?;
             }
         }
-        let running = sides.iter_mut().enumerate().filter(|(_, side)| side.stop().is_none());
-        let Some((number, side)) = running.min_by_key(|(_, side)| side.time()) else {
+        let running = sides.iter_mut().enumerate().filter(|(_, it)| it.side.stop().is_none());
+        let Some((number, running)) = running.min_by_key(|(_, it)| it.side.time()) else {
             return Ok(false);
         };
-        side.turn(&stops, &|| self.desk.is_outdated(version))?;
-        if side.is_due() && !self.desk.is_outdated(version) {
-            let frame = side.show(version, number, order.moving)?;
-            self.desk.tell(|news| news.add(frame));
+        running.side.turn(&stops, &|| self.desk.is_outdated(*version))?;
+        running.has_all = false;
+        if running.side.is_due() && !self.desk.is_outdated(*version) {
+            self.show(number, running, placed)?;
         }
         Ok(true)
+    }
+
+    /// Hands out pictures of renders that rest, with all that can be computed of them, once.
+    fn complete(&self, sides: &mut [Running], placed: &Placed) -> Result<(), StageError> {
+        let all = Placed { order: Order { all: true, ..placed.order.clone() }, ..*placed };
+        for (number, running) in sides.iter_mut().enumerate() {
+            if !running.has_all && !placed.order.moving {
+                self.show(number, running, &all)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands out a picture.
+    fn show(&self, number: usize, running: &mut Running, to: &Placed) -> Result<(), StageError> {
+        let Shot { film, all, status } = running.side.show(to.order.all && !to.order.moving)?;
+        running.has_all = all;
+        let (version, moving) = (to.version, to.order.moving);
+        let frame = Frame { version, side: number, film, moving, all, status };
+        self.desk.tell(|news| news.add(frame));
+        Ok(())
     }
 
     /// Loads the scene, unless that has been done.
@@ -174,14 +202,16 @@ impl Studio<'_> {
     }
 
     /// The renders of an order, none of which has begun.
-    fn sides(&self, order: &Order, device: &Device) -> Result<Vec<Side>, StageError> {
+    fn sides(&self, order: &Order, device: &Device) -> Result<Vec<Running>, StageError> {
         let mut stage = self.desk.stage();
         // It is loaded before.
         let Some(stage) = stage.as_mut() else { return Ok(Vec::new()) };
         let facts = stage.facts().clone();
         stage.set_camera(order.camera.unwrap_or(facts.camera))?;
-        let side =
-            |settings: &Settings, scene: &PreparedScene| Side::new(device.clone(), scene, settings);
+        let side = |settings: &Settings, scene: &PreparedScene| -> Result<Running, StageError> {
+            let side = Side::new(device.clone(), scene, settings)?;
+            Ok(Running { side, has_all: false })
+        };
         if order.moving {
             let (width, height) = self.size.of(facts.size.width, facts.size.height);
             let base = stage.base(FilmSize { width, height });
@@ -191,7 +221,7 @@ impl Studio<'_> {
         let base = stage.base(facts.size);
         let all = order.sides.iter();
         let settings = all.map(|choices| choices.settings(&base, order.stops.noise));
-        Ok(settings.map(|s| side(&s, stage.prepared())).collect::<Result<_, _>>()?)
+        settings.map(|settings| side(&settings, stage.prepared())).collect()
     }
 }
 
@@ -199,7 +229,7 @@ impl Studio<'_> {
 mod tests {
     use super::*;
     use crate::choices::Choices;
-    use crate::news::{Frame, News};
+    use crate::news::News;
     use glam::Vec3;
     use raystream::render::{AllocatorKind, Stop};
     use raystream::scene::Camera;
@@ -327,6 +357,23 @@ mod tests {
         assert!(desk.take_news().frames.is_empty());
         assert_eq!(desk.order(&order), version);
         until(&desk, |news| news.activity == Activity::Rendering && !news.frames.is_empty());
+    }
+
+    #[test]
+    fn pictures_have_all_where_that_is_asked_for_and_at_rest() {
+        let (desk, _thread, order) = start("cornell_ball");
+        desk.order(&order);
+        let news = until(&desk, |news| news.frames.len() > 2);
+        assert!(news.frames.iter().all(|f| !f.all && f.film.corrections.is_none()));
+        let version = desk.order(&Order { all: true, ..order.clone() });
+        let news = until(&desk, |news| news.frames.iter().any(|frame| frame.all));
+        let frame = news.frames.iter().find(|frame| frame.all).unwrap();
+        assert_eq!(frame.version, version);
+        assert!(frame.film.corrections.is_some() && frame.film.estimates.is_some());
+        desk.order(&order);
+        until(&desk, |news| news.frames.iter().any(|frame| !frame.all));
+        desk.order(&Order { paused: true, ..order });
+        until(&desk, |news| news.activity == Activity::Paused && last(news).all);
     }
 
     #[test]

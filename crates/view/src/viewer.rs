@@ -82,6 +82,8 @@ pub struct Viewer {
     pub camera_path: String,
     /// What happened to the last file.
     pub saved: Option<Saved>,
+    /// Whether a picture is to be written once there is one that has all.
+    is_saving: bool,
 }
 
 impl Viewer {
@@ -113,6 +115,7 @@ impl Viewer {
             picture_path: format!("{stem}.png"),
             camera_path: camera_path.to_string_lossy().into_owned(),
             saved: None,
+            is_saving: false,
         }
     }
 
@@ -129,6 +132,7 @@ impl Viewer {
         if is_own {
             self.order.camera = None;
         }
+        self.order.all = self.layer.wants_all() || self.is_saving;
         let version = self.desk.order(&self.order);
         if version != self.version {
             self.version = version;
@@ -139,6 +143,7 @@ impl Viewer {
         if std::mem::take(&mut self.is_stale) {
             self.paint();
         }
+        self.write_picture();
         rests_in.filter(|time| !time.is_zero())
     }
 
@@ -349,21 +354,30 @@ impl Viewer {
         self.order.reload += 1;
     }
 
-    /// Writes the picture that is at the left of the line.
+    /// Writes the first render's picture, once there is one that has all layers: the next one that
+    /// comes, or the one that is there.
     pub fn save_picture(&mut self) {
-        let path = PathBuf::from(self.picture_path.trim());
-        let saved = match &self.sides[0].frame {
-            Some(frame) if !frame.moving => {
-                let choices = self.order.sides.first().copied().unwrap_or_default();
-                let scene = self.scene.name.display().to_string();
-                let device = self.device.as_deref().unwrap_or_default();
-                let settings = save::settings_of(&scene, device, &choices, &frame.status);
-                save::save_picture(&path, &frame.film, &self.display, &settings)
-                    .map_err(|error| error.to_string())
-            }
-            _ => Err("there is no whole picture yet".to_owned()),
+        (self.is_saving, self.saved) = (true, None);
+    }
+
+    /// Whether a picture is waited for that is to be written.
+    pub fn is_saving(&self) -> bool {
+        self.is_saving
+    }
+
+    fn write_picture(&mut self) {
+        let frame = self.sides[0].frame.as_ref().filter(|_| self.is_saving);
+        let Some(frame) = frame.filter(|f| f.all && !f.moving && f.version == self.version) else {
+            return;
         };
-        self.saved = Some(told(saved, &path));
+        let path = PathBuf::from(self.picture_path.trim());
+        let choices = self.order.sides.first().copied().unwrap_or_default();
+        let scene = self.scene.name.display().to_string();
+        let device = self.device.as_deref().unwrap_or_default();
+        let settings = save::settings_of(&scene, device, &choices, &frame.status);
+        let saved = save::save_picture(&path, &frame.film, &self.display, &settings);
+        self.saved = Some(told(saved.map_err(|error| error.to_string()), &path));
+        self.is_saving = false;
     }
 
     /// Writes a copy of the scene's file that has the camera as it is.
@@ -486,18 +500,22 @@ mod tests {
     fn what_is_saved_is_there_and_what_cannot_be_is_said() {
         let folder = tempfile::tempdir().unwrap();
         let (mut viewer, _thread) = viewer("cornell_ball");
-        viewer.save_picture();
-        assert!(matches!(&viewer.saved, Some(Saved::Failed(why)) if why.contains("no whole")));
-        until(&mut viewer, has_ended);
+        // It waits until there is a picture, and until that has all layers.
+        viewer.order.stops.samples = None;
         for name in ["a.png", "a.exr"] {
             let path = folder.path().join(name);
             viewer.picture_path = path.display().to_string();
             viewer.save_picture();
+            until(&mut viewer, |viewer| viewer.saved.is_some());
             assert!(matches!(&viewer.saved, Some(Saved::Done(_))), "{:?}", viewer.saved);
-            assert!(path.is_file());
+            assert!(path.is_file() && !viewer.is_saving());
         }
+        let layers = raystream::image::read_layers(&folder.path().join("a.exr")).unwrap();
+        assert!(layers.channel("plain.R").is_some(), "the picture is corrected");
+        assert!(layers.channel("albedo.R").unwrap().iter().any(|albedo| *albedo > 0.0));
         viewer.picture_path = folder.path().join("none/a.png").display().to_string();
         viewer.save_picture();
+        until(&mut viewer, |viewer| viewer.saved.is_some());
         assert!(matches!(&viewer.saved, Some(Saved::Failed(why)) if why.contains("none")));
         viewer.save_camera();
         assert!(
