@@ -39,6 +39,7 @@ mod rendered;
 mod resume;
 mod sampling;
 mod scenes;
+mod view;
 
 pub use self::effects::Given;
 pub use self::ending::{CliError, Ending, FAILED, exit_status};
@@ -87,6 +88,9 @@ enum Command {
     Denoise(denoise::DenoiseArguments),
     /// Say what a scene's file holds, and what of it a picture will not show.
     Inspect(inspect::InspectArguments),
+    /// Look at a render in a window while it runs.
+    #[command(disable_help_flag = true)]
+    View(view::ViewArguments),
     /// List the devices that can render.
     Devices(devices::DevicesArguments),
     /// List the scenes that ship with Raystream.
@@ -117,6 +121,7 @@ fn run(arguments: Arguments, given: &Given) -> Result<Ending, CliError> {
         Command::Denoise(arguments) => denoise::run(&arguments, given),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
         Command::Scenes => scenes::run(),
         Command::Bench(command) => bench::run(&command, given),
     }
