@@ -3,6 +3,7 @@
 use crate::stage::SceneFacts;
 use raystream::film::Film;
 use raystream::render::Stop;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -67,6 +68,8 @@ pub enum Activity {
 pub struct News {
     /// A scene that has been loaded.
     pub scene: Option<Arc<SceneFacts>>,
+    /// Files that a scene was read from, also where that has failed.
+    pub files: Vec<PathBuf>,
     /// The device that has been opened.
     pub device: Option<String>,
     /// The latest picture of each render.

@@ -5,8 +5,10 @@ use crate::desk::{Desk, Order};
 use crate::layers::Layer;
 use crate::measure::measure;
 use crate::stage::SceneChoice;
+use crate::tev::{DEFAULT_ADDRESS, Tev};
 use crate::thread::RenderThread;
 use crate::viewer::Viewer;
+use crate::watch::Watch;
 use crate::window::{Screenshot, Window};
 use clap::Parser;
 use eframe::egui;
@@ -77,6 +79,13 @@ pub struct Arguments {
     /// Stop at this relative error of the picture, 0.02 for 2 %.
     #[arg(long, value_name = "ERROR", value_parser = parse_noise)]
     pub noise: Option<f32>,
+    /// Load the scene and render it again when one of its files changes.
+    #[arg(long)]
+    pub watch: bool,
+    /// Send the picture to tev, which listens there [with no value: 127.0.0.1:14158].
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1,
+        default_missing_value = DEFAULT_ADDRESS)]
+    pub tev: Option<String>,
     /// Size of the window in points.
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse_size)]
     pub window: FilmSize,
@@ -126,6 +135,30 @@ impl Arguments {
         viewer.set_display(Display { exposure: self.exposure, tone_map: self.tone_map });
         viewer
     }
+
+    /// Has a viewer watch files and show pictures elsewhere, as was asked for; `wake` is called when
+    /// a file has changed.
+    ///
+    /// # Errors
+    /// If files cannot be watched, or tev does not listen.
+    pub fn connect(
+        &self,
+        viewer: &mut Viewer,
+        wake: impl Fn() + Send + 'static,
+    ) -> Result<(), String> {
+        if self.watch {
+            let watch = Watch::new(wake);
+            viewer.watch = Some(watch.map_err(|error| format!("cannot watch files: {error}"))?);
+        }
+        if let Some(address) = &self.tev {
+            let name = self.scene.display().to_string();
+            let tev = Tev::connect(address, &name);
+            viewer.tev = Some(tev.map_err(|error| {
+                format!("tev does not listen at {address}: {error}; start it first, or name where")
+            })?);
+        }
+        Ok(())
+    }
 }
 
 /// Exit status of a run that failed.
@@ -173,9 +206,12 @@ fn open(arguments: &Arguments) -> Result<(), String> {
         options,
         Box::new(|creation| {
             let ctx = creation.egui_ctx.clone();
+            let on_change = ctx.clone();
             let desk = Arc::new(Desk::new(move || ctx.request_repaint()));
             let thread = RenderThread::start(Arc::clone(&desk), arguments.scene())?;
-            let window = Window::new(arguments.viewer(desk), screenshot);
+            let mut viewer = arguments.viewer(desk);
+            arguments.connect(&mut viewer, move || on_change.request_repaint())?;
+            let window = Window::new(viewer, screenshot);
             Ok(Box::new(window.with_thread(thread)))
         }),
     );
@@ -290,6 +326,16 @@ mod tests {
         assert!(viewer.compares());
         assert_eq!(viewer.layer(), Layer::Error);
         assert_eq!(parse(&["--denoise"]).unwrap().denoise, Some(FilterKind::Auto));
+    }
+
+    #[test]
+    fn tev_that_does_not_listen_is_named() {
+        let arguments = parse(&["--tev", "127.0.0.1:1", "--watch"]).unwrap();
+        let mut viewer = arguments.viewer(Arc::new(Desk::new(|| ())));
+        let error = arguments.connect(&mut viewer, || ()).unwrap_err();
+        assert!(error.contains("127.0.0.1:1"), "{error}");
+        assert!(viewer.watch.is_some());
+        assert_eq!(parse(&["--tev"]).unwrap().tev.as_deref(), Some(DEFAULT_ADDRESS));
     }
 
     #[test]

@@ -44,18 +44,22 @@ impl SceneChoice {
         (!self.name.is_file()).then_some(found.name)
     }
 
-    /// Loads it.
-    ///
-    /// # Errors
-    /// If a file is missing or says what it may not.
-    pub fn load(&self) -> Result<Scene, SceneError> {
+    /// Loads it; with the files that were read, also where one of them is wrong.
+    pub fn load(&self) -> (Result<Scene, SceneError>, Vec<PathBuf>) {
         let options = LoadOptions::default();
-        let mut scene = match (self.shipped(), self.name.to_str()) {
-            (Some(name), _) => options.load_named(name)?,
+        let (scene, files) = match (self.shipped(), self.name.to_str()) {
+            (Some(name), _) => (options.load_named(name), Vec::new()),
             // The message lists the scenes that ship.
-            (None, Some(name)) if is_no_file(name, &self.name) => options.load_named(name)?,
-            _ => options.load(&self.name)?,
+            (None, Some(name)) if is_no_file(name, &self.name) => {
+                (options.load_named(name), Vec::new())
+            }
+            _ => options.load_listing(&self.name),
         };
+        (scene.and_then(|scene| self.changed(scene)), files)
+    }
+
+    /// The scene as it was asked for.
+    fn changed(&self, mut scene: Scene) -> Result<Scene, SceneError> {
         if let Some(camera) = &self.camera {
             scene.use_camera(camera)?;
         }

@@ -175,7 +175,9 @@ impl Studio<'_> {
     fn load(&mut self, order: &Order) -> Result<(), StageError> {
         if self.loaded != Some(order.reload) {
             self.desk.is_at(Activity::Loading);
-            let stage = Stage::new(&self.scene.load()?)?;
+            let (scene, files) = self.scene.load();
+            self.desk.tell(|news| news.files.extend(files));
+            let stage = Stage::new(&scene?)?;
             let facts = Arc::new(stage.facts().clone());
             *self.desk.stage() = Some(stage);
             self.loaded = Some(order.reload);

@@ -8,7 +8,9 @@ use crate::navigator::Navigator;
 use crate::news::{Activity, Frame, News, Status};
 use crate::save;
 use crate::stage::{SceneChoice, SceneFacts};
+use crate::tev::Tev;
 use crate::view::View;
+use crate::watch::Watch;
 use raystream::film::Film;
 use raystream::image::Display;
 use raystream::render::{AllocatorKind, FilterKind, Stop};
@@ -82,6 +84,10 @@ pub struct Viewer {
     pub camera_path: String,
     /// What happened to the last file.
     pub saved: Option<Saved>,
+    /// Watches the scene's files, if that was asked for.
+    pub watch: Option<Watch>,
+    /// Shows pictures elsewhere, if that was asked for.
+    pub tev: Option<Tev>,
     /// Whether a picture is to be written once there is one that has all.
     is_saving: bool,
 }
@@ -115,6 +121,8 @@ impl Viewer {
             picture_path: format!("{stem}.png"),
             camera_path: camera_path.to_string_lossy().into_owned(),
             saved: None,
+            watch: None,
+            tev: None,
             is_saving: false,
         }
     }
@@ -144,7 +152,20 @@ impl Viewer {
             self.paint();
         }
         self.write_picture();
-        rests_in.filter(|time| !time.is_zero())
+        let rests_in = rests_in.filter(|time| !time.is_zero());
+        [rests_in, self.follow_files(now)].into_iter().flatten().min()
+    }
+
+    /// Loads the scene again where one of its files has changed. Returns when one will be at rest.
+    fn follow_files(&mut self, now: Instant) -> Option<Duration> {
+        match self.watch.as_mut()?.take_change(now) {
+            Ok(true) => {
+                self.order.reload += 1;
+                Some(Duration::ZERO)
+            }
+            Ok(false) => None,
+            Err(rests_in) => Some(rests_in),
+        }
     }
 
     fn read(&mut self, news: News) {
@@ -161,14 +182,25 @@ impl Viewer {
             self.facts = Some(facts);
         }
         self.device = news.device.or(self.device.take());
+        if let Some(watch) = &mut self.watch
+            && let Err(error) = watch.add(news.files.iter().map(PathBuf::as_path))
+        {
+            self.saved = Some(Saved::Failed(format!("cannot watch the scene's files: {error}")));
+        }
         for (version, side, status) in news.points {
             if version == self.version && side < 2 {
                 self.sides[side].curve.add(&status);
             }
         }
+        if let Some(failure) = self.tev.as_ref().and_then(Tev::take_failure) {
+            (self.tev, self.saved) = (None, Some(Saved::Failed(failure)));
+        }
         for frame in news.frames {
             if frame.version == self.version && frame.side < 2 {
                 let side = frame.side;
+                if let (Some(tev), false, 0) = (&self.tev, frame.moving, side) {
+                    tev.show(Arc::clone(&frame.film));
+                }
                 self.sides[side].frame = Some(frame);
                 self.is_stale = true;
             }
@@ -522,6 +554,34 @@ mod tests {
             matches!(&viewer.saved, Some(Saved::Failed(why)) if why.contains("cornell_ball")),
             "a scene that ships has no file"
         );
+    }
+
+    #[test]
+    fn a_file_that_changes_is_another_picture_and_a_wrong_one_is_said() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        let write = |green: &str| {
+            let text = format!(
+                r#"{{"format": 2, "name": "a", "film": {{"width": 32, "height": 24}},
+                "camera": {{"origin": [0, 0, 4], "target": [0, 0, 0], "up": [0, 1, 0],
+                "fov_y": 40}}, "background": [0.5, {green}, 0.5]}}"#
+            );
+            std::fs::write(&path, text).unwrap();
+        };
+        write("0.25");
+        let (mut viewer, _thread) = viewer(path.to_str().unwrap());
+        viewer.watch = Some(Watch::new(|| ()).unwrap());
+        let color = |viewer: &Viewer| viewer.side(0).frame.as_ref().map(|f| f.film.color()[0].y);
+        until(&mut viewer, |viewer| has_ended(viewer) && color(viewer) == Some(0.25));
+        write("0.75");
+        until(&mut viewer, |viewer| has_ended(viewer) && color(viewer) == Some(0.75));
+        write("wrong");
+        let failed = |viewer: &Viewer| matches!(viewer.activity(), Activity::Failed(_));
+        until(&mut viewer, failed);
+        let Activity::Failed(reason) = viewer.activity() else { panic!("it has failed") };
+        assert!(reason.contains("a.json"), "{reason}");
+        write("1");
+        until(&mut viewer, |viewer| has_ended(viewer) && color(viewer) == Some(1.0));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The panel at the side: what is shown, what is rendered, and what is known of it.
 
 use super::{keys, plot, style};
-use crate::choices::Choices;
+use crate::choices::{Choices, Stops};
 use crate::layers::Layer;
 use crate::view::View;
 use crate::viewer::{Saved, Viewer};
@@ -27,7 +27,9 @@ impl Controls {
             ui.add_space(6.0);
             section(ui, "Picture", |ui| picture(ui, viewer));
             section(ui, "Render", |ui| self.render(ui, viewer));
-            section(ui, "Stop at", |ui| stops(ui, viewer));
+            let is_open = viewer.order.stops != Stops::default();
+            let header = egui::CollapsingHeader::new(RichText::new("Stop at").strong());
+            header.default_open(is_open).show(ui, |ui| stops(ui, viewer));
             section(ui, "Error over time", |ui| plot::show(ui, viewer));
             section(ui, "Pixel", |ui| pixel(ui, viewer));
             section(ui, "Save", |ui| save(ui, viewer));
