@@ -130,7 +130,6 @@ mod tests {
             depth: 6.0,
             samples: 1,
             hits: 2,
-            ..FeaturePixel::default()
         };
         Film::new(
             2,

@@ -126,8 +126,13 @@ impl Layer {
 fn errors(film: &Film) -> Vec<f32> {
     match film.squared_error() {
         Some(squared) => squared.into_iter().map(f32::sqrt).collect(),
-        None => film.variance().into_iter().map(|v| (v.dot(Vec3::ONE) / 3.0).sqrt()).collect(),
+        None => film.variance().into_iter().map(deviation).collect(),
     }
+}
+
+/// The root of a variance, the mean over the components; 0 where nothing is known of it yet.
+fn deviation(variance: Vec3) -> f32 {
+    if variance.is_finite() { (variance.dot(Vec3::ONE) / 3.0).sqrt() } else { 0.0 }
 }
 
 /// Threads that large pictures are cut for; a renderer on the CPU has the others.
@@ -250,6 +255,8 @@ mod tests {
         let squared = (Vec3::splat(1000.0 / 3.0) - mean * mean) / 2.0;
         let expected = (squared.dot(Vec3::ONE) / 3.0).sqrt();
         assert!((by_variance[1] - expected).abs() < 1e-3, "{by_variance:?} {expected}");
+        film.radiance[0].first_samples = 1;
+        assert_eq!(Layer::Error.numbers(&film).unwrap()[0], 0.0, "nothing is known of it");
         film.estimates = Some(vec![Estimate { filtered: Vec3::ONE, squared_error: 0.25 }; 2]);
         assert_eq!(Layer::Error.numbers(&film).unwrap(), [0.5, 0.5]);
     }

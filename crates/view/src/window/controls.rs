@@ -34,7 +34,7 @@ impl Controls {
             section(ui, "Pixel", |ui| pixel(ui, viewer));
             section(ui, "Save", |ui| save(ui, viewer));
             closed_section(ui, "Scene", |ui| scene(ui, viewer));
-            closed_section(ui, "Keys", |ui| help(ui));
+            closed_section(ui, "Keys", help);
         });
     }
 

@@ -1,6 +1,7 @@
 //! What keys do.
 
 use crate::layers::Layer;
+use crate::navigator::Navigator;
 use crate::view::View;
 use crate::viewer::Viewer;
 use eframe::egui::{InputState, Key, Ui};
@@ -94,7 +95,7 @@ fn fly(ui: &Ui, viewer: &mut Viewer, now: Instant) {
         (step * factor, f64::from(input.stable_dt.min(0.1)))
     });
     if step != DVec3::ZERO {
-        let speed = viewer.navigator().map_or(0.0, |navigator| navigator.speed());
+        let speed = viewer.navigator().map_or(0.0, Navigator::speed);
         viewer.navigate(now, |navigator| navigator.fly(step * speed * seconds));
         ui.ctx().request_repaint();
     }

@@ -59,17 +59,21 @@ fn guide(curves: &[(usize, Vec<[f64; 2]>)]) -> Vec<[f64; 2]> {
 /// A number whose logarithm is at a mark.
 fn decade(mark: GridMark, _: &RangeInclusive<f64>) -> String {
     let value = 10_f64.powf(mark.value);
-    let decimals = (-mark.value.floor()).clamp(0.0, 6.0) as usize;
-    format!("{value:.decimals$}")
+    // Not all digits of a float: 1.5 is no power of ten.
+    format!("{}", (value * 1e6).round() / 1e6)
 }
 
-/// Marks at 1, 2 and 5 times powers of ten; at these powers alone where there are many.
+/// Marks at round numbers: powers of ten, and more between them the fewer there are.
 fn marks(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     if !(low.is_finite() && high.is_finite() && high - low < 60.0) {
         return Vec::new();
     }
-    let factors: &[f64] = if high - low < 1.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let factors: &[f64] = match high - low {
+        span if span < 0.5 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0],
+        span if span < 1.5 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
+    };
     let decades = low.floor() as i32..=high.ceil() as i32;
     decades
         .flat_map(|decade| factors.iter().map(move |factor| f64::from(decade) + factor.log10()))
