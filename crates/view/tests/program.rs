@@ -1,5 +1,7 @@
 //! The program itself, under a virtual display.
 
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "what fails is a test")]
+
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};

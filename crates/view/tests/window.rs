@@ -1,5 +1,7 @@
 //! The window, drawn by a software device without a screen.
 
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "what fails is a test")]
+
 use egui_kittest::{Harness, kittest::Queryable};
 use raystream::scene::FilmSize;
 use raystream_view::choices::Stops;
