@@ -22,7 +22,6 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     all.into_iter().map(|(name, description)| (name, camera(&description, SIZE))).collect()
 }
 
-/// Bodies that absorb light are there, too: what a camera is in is looked up anew.
 #[test]
 fn seeing_through_another_camera_is_preparing_the_scene_for_it() {
     for name in ["cornell_ball", "tea", "daylight"] {
