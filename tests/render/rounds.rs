@@ -28,6 +28,35 @@ fn rounds_do_not_change_the_film() {
     assert_eq!(renderer.rays().unwrap(), rays);
 }
 
+/// Who looks now and then sees the samples that there are, and the render is the same without them.
+#[test]
+fn a_glance_sees_the_samples_and_changes_nothing() {
+    let mut scene = scenes::room(scenes::glass(1.5), 1.0);
+    scene.film = FilmSize { width: 19, height: 13 };
+    let prepared = prepare(&scene);
+    let settings = Settings { sampling: Sampling::ADAPTIVE, ..settings(&scene) };
+    let rendered = |glances: bool| {
+        let mut renderer = Renderer::new(&CpuExecutor, &prepared, &settings).unwrap();
+        for round in 0..4 {
+            renderer.step(u64::MAX).unwrap();
+            if glances {
+                let glance = renderer.glance().unwrap();
+                assert!(glance.corrections.is_none() && glance.denoised.is_none());
+                // Errors are first asked for by the second round.
+                assert_eq!(glance.estimates.is_some(), round > 0);
+                assert_eq!(glance.plain().len(), 19 * 13);
+                let samples: u64 = glance.samples().into_iter().map(u64::from).sum();
+                assert_eq!(samples, renderer.paths());
+            }
+        }
+        let glance = renderer.glance().unwrap();
+        let film = renderer.film().unwrap();
+        assert_eq!(glance.radiance, film.radiance);
+        film
+    };
+    assert_eq!(rendered(true), rendered(false));
+}
+
 /// A time that ends within the first round, on a device whose every batch takes 0.25 s at least.
 #[test]
 fn time_is_kept_to_within_a_batch() {

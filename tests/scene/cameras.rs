@@ -8,6 +8,7 @@ use raystream_shaders::scene::abilities::{ALL, Fixed};
 use raystream_shaders::scene::camera::{Camera, NO_PIXEL, Sight, THIN_LENS};
 use raystream_tests::cameras::others;
 use raystream_tests::histogram::{SAMPLERS, assert_uniform, cell, histogram, points};
+use raystream_tests::prepare;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 const SIZE: FilmSize = FilmSize { width: 200, height: 100 };
@@ -19,6 +20,37 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     let pinhole = scene::Camera::new(origin, Vec3::new(0.0, 1.0, -2.0), 50.0);
     let all = [vec![("a pinhole", pinhole)], others(pinhole)].concat();
     all.into_iter().map(|(name, description)| (name, camera(&description, SIZE))).collect()
+}
+
+#[test]
+fn seeing_through_another_camera_is_preparing_the_scene_for_it() {
+    for name in ["cornell_ball", "tea", "daylight"] {
+        let mut scene = scene::load_named(name).unwrap();
+        let middle = scene.meshes[0].positions[0];
+        let mut moved = prepare(&scene);
+        let pinhole = scene::Camera::new(middle + Vec3::new(0.01, 0.02, 0.03), Vec3::Z * 9.0, 50.0);
+        let all = [vec![("a pinhole", pinhole)], others(pinhole)].concat();
+        let own = [("its own", scene.camera)];
+        for (kind, camera) in all.into_iter().chain(own) {
+            moved.set_camera(camera).unwrap();
+            scene.camera = camera;
+            let anew = prepare(&scene);
+            assert_eq!(moved.camera, camera);
+            assert_eq!(moved.abilities, anew.abilities, "{name} by {kind}");
+            assert!(moved.surfaces == anew.surfaces, "{name} by {kind}");
+            assert!(moved.geometry == anew.geometry, "{name} by {kind}");
+        }
+    }
+}
+
+#[test]
+fn a_camera_without_a_direction_is_refused_and_the_one_before_stays() {
+    let scene = scene::load_named("cornell_ball").unwrap();
+    let mut prepared = prepare(&scene);
+    let camera = scene::Camera::new(Vec3::ONE, Vec3::ONE, 40.0);
+    let error = prepared.set_camera(camera).unwrap_err().to_string();
+    assert!(error.contains("camera") && error.contains("direction"), "{error}");
+    assert_eq!(prepared.camera, scene.camera);
 }
 
 fn number(k: u32) -> f32 {

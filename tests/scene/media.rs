@@ -43,6 +43,23 @@ fn glass(ior: f32, colour: Vec3, priority: Option<i32>) -> Material {
     }
 }
 
+/// As preparing the scene anew finds, for a camera that goes into a body and comes out again.
+#[test]
+fn a_camera_that_is_moved_is_in_what_is_there() {
+    let mut scene = bench();
+    add_slab(&mut scene, 0.0, 4.0, glass(1.5, RED, None));
+    let outside = prepare(&scene);
+    let mut moved = prepare(&scene);
+    let camera = scene.camera;
+    scene.camera.origin = Vec3::new(0.1, 0.2, 2.0);
+    let inside = prepare(&scene);
+    assert!(inside.surfaces != outside.surfaces, "it matters where the camera is");
+    moved.set_camera(scene.camera).unwrap();
+    assert!(moved.surfaces == inside.surfaces);
+    moved.set_camera(camera).unwrap();
+    assert!(moved.surfaces == outside.surfaces);
+}
+
 /// A picture without roulette, by paths as long as they like.
 fn picture(scene: &Scene, samples: u32) -> Film {
     let settings = Settings { roulette_depth: 2000, max_depth: 1000, ..settings(scene) };

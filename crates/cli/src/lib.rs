@@ -43,6 +43,7 @@ mod rendered;
 mod resume;
 mod sampling;
 mod scenes;
+mod view;
 
 pub use self::calls::{Call, ReadyCall};
 pub use self::effects::Given;
@@ -95,6 +96,9 @@ enum Command {
     Denoise(denoise::DenoiseArguments),
     /// Say what a scene's file holds, and what of it a picture will not show.
     Inspect(inspect::InspectArguments),
+    /// Look at a render in a window while it runs.
+    #[command(disable_help_flag = true)]
+    View(view::ViewArguments),
     /// List the devices that can render.
     Devices(devices::DevicesArguments),
     /// Render on two devices at once, and say after which kernel they differ, if they do: exit
@@ -129,6 +133,7 @@ fn run(arguments: Arguments, given: &Given) -> Result<Ending, CliError> {
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         Command::DiffDevices(arguments) => diff_devices::run_command(&arguments, given),
+        Command::View(arguments) => view::run(&arguments),
         Command::Scenes => scenes::run(),
         Command::Bench(command) => bench::run(&command, given),
     }

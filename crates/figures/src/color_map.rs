@@ -1,6 +1,7 @@
 //! Numbers as colours.
 
 use super::canvas::Canvas;
+use super::color_scale::{ColorScale, Place, color_at};
 use super::error::FigureError;
 use super::legend::{Legend, Note};
 use super::scale::Scale;
@@ -48,35 +49,6 @@ pub(super) struct ColorMap<'a> {
     pub zero: Option<&'a str>,
 }
 
-/// Colour of what is not finite: no colour of the map is near it.
-const NOT_FINITE: [u8; 3] = [255, 0, 255];
-/// Colour of zeros that have no place along the colours.
-const ZERO: [u8; 3] = [0; 3];
-
-/// Where a number lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
-    /// 0..=1 along the colours.
-    Along(f64),
-    Below,
-    Above,
-    /// A zero that has no place along the colours.
-    Zero,
-    NotFinite,
-}
-
-impl Place {
-    fn color(self) -> [u8; 3] {
-        match self {
-            Place::Along(position) => color_at(position),
-            Place::Below => color_at(0.0),
-            Place::Above => color_at(1.0),
-            Place::Zero => ZERO,
-            Place::NotFinite => NOT_FINITE,
-        }
-    }
-}
-
 impl ColorMap<'_> {
     /// See [`write_color_map`].
     pub fn write(&self, path: &Path) -> Result<(), FigureError> {
@@ -86,9 +58,9 @@ impl ColorMap<'_> {
         {
             return Err(FigureError::ColorRange { path: path.to_owned(), low, high });
         }
-        let scale = self.scale();
-        let notes = self.notes(scale);
-        let legend = Legend::new(self.width, self.title, scale, &notes);
+        let colors = self.colors();
+        let notes = self.notes(&colors);
+        let legend = Legend::new(self.width, self.title, colors.scale, &notes);
         let height =
             self.height.checked_add(legend.height()).ok_or_else(|| ImageError::Encode {
                 path: path.to_owned(),
@@ -98,42 +70,25 @@ impl ColorMap<'_> {
         let mut canvas = Canvas::new(legend.width(), height);
         for (y, row) in (0..).zip(self.values.chunks_exact(self.width as usize)) {
             for (x, &value) in (0..).zip(row) {
-                canvas.set(x, y, self.place(scale, value).color());
+                canvas.set(x, y, colors.color(value));
             }
         }
         legend.draw(&mut canvas, self.height, color_at);
         Ok(write_rgb8(path, legend.width(), height, canvas.bytes())?)
     }
 
-    /// What the colours span; none if no value has a place there.
-    fn scale(&self) -> Option<Scale> {
+    fn colors(&self) -> ColorScale {
+        let zero_is_value = self.zero.is_none();
         match self.range {
-            Some((low, high)) => Some(Scale::new(low.into(), high.into())),
-            None => Scale::of(
-                self.values.iter().copied().filter(|&value| self.zero.is_none() || value != 0.0),
-            ),
-        }
-    }
-
-    fn place(&self, scale: Option<Scale>, value: f32) -> Place {
-        if !value.is_finite() {
-            return Place::NotFinite;
-        }
-        match scale {
-            Some(scale) if value != 0.0 || self.zero.is_none() && !scale.logarithmic => {
-                match f64::from(value) {
-                    value if value < scale.low => Place::Below,
-                    value if value > scale.high => Place::Above,
-                    value => Place::Along(scale.position(value)),
-                }
+            Some((low, high)) => {
+                ColorScale { scale: Some(Scale::new(low.into(), high.into())), zero_is_value }
             }
-            // Without a scale, all that is finite is zero.
-            _ => Place::Zero,
+            None => ColorScale::of(self.values.iter().copied(), zero_is_value),
         }
     }
 
     /// What the legend says of pixels that have no place along the colours.
-    fn notes(&self, scale: Option<Scale>) -> Vec<Note> {
+    fn notes(&self, colors: &ColorScale) -> Vec<Note> {
         let kinds = [
             (Place::Zero, self.zero.unwrap_or("zero")),
             (Place::Below, "below the colours"),
@@ -142,7 +97,7 @@ impl ColorMap<'_> {
         ];
         let mut counts = [0_usize; 4];
         for &value in self.values {
-            let place = self.place(scale, value);
+            let place = colors.place(value);
             if let Some(kind) = kinds.iter().position(|(kind, _)| *kind == place) {
                 counts[kind] += 1;
             }
@@ -155,13 +110,9 @@ impl ColorMap<'_> {
     }
 }
 
-/// The colour at a position from 0 to 1, sRGB.
-fn color_at(position: f64) -> [u8; 3] {
-    colorous::VIRIDIS.eval_continuous(position).as_array()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::color_scale::{NOT_FINITE, ZERO};
     use super::*;
     use image::RgbImage;
     use raystream::color::srgb_decode;
@@ -180,7 +131,7 @@ mod tests {
     fn notes(values: &[f32], range: Option<(f32, f32)>, zero: Option<&str>) -> Vec<String> {
         let map =
             ColorMap { width: values.len() as u32, height: 1, values, title: "", range, zero };
-        map.notes(map.scale()).into_iter().map(|note| note.text).collect()
+        map.notes(&map.colors()).into_iter().map(|note| note.text).collect()
     }
 
     /// Pixels of a colour below the first `height` rows.

@@ -3,6 +3,7 @@
 
 mod canvas;
 pub mod color_map;
+mod color_scale;
 mod error;
 mod legend;
 pub mod plot;
@@ -10,5 +11,6 @@ pub mod png_layers;
 mod scale;
 
 pub use color_map::write_color_map;
+pub use color_scale::ColorScale;
 pub use error::FigureError;
 pub use png_layers::{png_layer_paths, write_png_layers};

@@ -8,6 +8,7 @@ use super::error::RenderError;
 use super::film::splats::SplatSums;
 use super::renderer::Renderer;
 use super::round::plan::Done;
+use super::round::state::DeviceState;
 use super::settings::sampling::Split;
 use crate::exec::{ExecError, Executor};
 use crate::film::Film;
@@ -124,6 +125,20 @@ impl<E: Executor> Renderer<E> {
         let mean_radiance = checkpoint.progress.mean_radiance_bits.map(f32::from_bits);
         self.estimation.restore(checkpoint.progress.feature_samples, mean_radiance);
         Ok(())
+    }
+
+    /// A look at a render under way, for which nothing is computed: samples and what light tracing
+    /// found, the features and the estimates of the last round that asked for them, if one has. It
+    /// has no corrections and no filtered picture; [`Self::film`] has.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn glance(&self) -> Result<Film, RenderError> {
+        self.gather()?;
+        let DeviceState { executor, film, integrator, .. } = &self.state;
+        let splats = integrator.splats(executor)?.map(|sums| sums.mean());
+        let estimates = self.estimation.read_last(executor)?;
+        Ok(Film { splats, estimates, ..film.read(executor)? })
     }
 
     /// Copies the film to the host, with the features [so far](Self::finish_features) and, where

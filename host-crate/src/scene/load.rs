@@ -6,7 +6,7 @@ use super::formats;
 use super::memory::{Memory, Over};
 use super::options::LoadOptions;
 use super::shipped::{self, DEFAULT_SCENE};
-use super::source::{Disk, SceneBytes, read_up_to};
+use super::source::{Disk, Listed, SceneBytes, read_up_to};
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -25,6 +25,14 @@ impl LoadOptions {
     /// the file, the place in it and what to do.
     pub fn load(&self, path: &Path) -> Result<Scene, SceneError> {
         formats::load_from(&Disk, path, self)
+    }
+
+    /// The same, with the files that were read, also where one of them is wrong: for who wants to
+    /// load the scene again when one changes.
+    pub fn load_listing(&self, path: &Path) -> (Result<Scene, SceneError>, Vec<PathBuf>) {
+        let source = Listed::default();
+        let scene = formats::load_from(&source, path, self);
+        (scene, source.into_files())
     }
 
     /// Reads a scene from `input`, such as standard input; it is called `name` in messages.

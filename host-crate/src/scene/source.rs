@@ -5,6 +5,7 @@ use super::text::Name;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// A place that files are read from.
 pub(super) trait Source {
@@ -39,6 +40,28 @@ impl Source for Disk {
             return Err(SceneError::TooLong { path: path.to_owned(), limit });
         }
         read_up_to(&mut file, path, limit)
+    }
+}
+
+/// The file system, and what has been asked of it.
+#[derive(Default)]
+pub(super) struct Listed(Mutex<Vec<PathBuf>>);
+
+impl Listed {
+    /// The files that were read, or could not be.
+    pub(super) fn into_files(self) -> Vec<PathBuf> {
+        self.0.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Source for Listed {
+    fn find(&self, folder: &Path, name: &Path) -> Option<PathBuf> {
+        Disk.find(folder, name)
+    }
+
+    fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, SceneError> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
+        Disk.read(path, limit)
     }
 }
 

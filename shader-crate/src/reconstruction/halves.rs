@@ -66,7 +66,8 @@ pub fn make_halves(
     let (sum, samples) = (pixel.sum(), pixel.samples());
     if samples > 0 && is_finite_vector(sum) {
         let mean = sum / samples as f32;
-        let variance = if samples < 2 { mean.dot(mean) / 3.0 } else { mean_variance(&pixel) };
+        let variance =
+            if samples < 2 { mean.dot(mean) * (1.0 / 3.0) } else { mean_variance(&pixel) };
         if is_finite(variance) {
             let of_half = |sum: Vec3, count: u32| {
                 let count = count as f32;

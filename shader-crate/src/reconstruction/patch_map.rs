@@ -91,6 +91,6 @@ pub fn weight(map: &[u32], pixels: u32, place: u32, dx: i32, dy: i32, sharpness:
     let offset = ((dy + reach) * SIDE as i32 + dx + reach) as u32;
     let word = at(map, offset / PER_WORD * pixels + place);
     let steps = word >> (8 * (offset % PER_WORD)) & 0xff;
-    let root = steps as f32 / STEPS;
+    let root = steps as f32 * (1.0 / STEPS);
     if steps < FARTHEST { exp(-sharpness * root * root) } else { 0.0 }
 }

@@ -21,3 +21,5 @@ mod program;
 mod renders;
 mod scenes;
 mod validation;
+#[cfg(unix)]
+mod view;

@@ -28,6 +28,8 @@ pub struct Estimation<B> {
     /// Whether the errors are those of the film as it is: a round, better features or another mean
     /// radiance change them.
     is_current: bool,
+    /// Whether there are estimates, of the film as it is or as it was.
+    has_estimated: bool,
     /// Mean radiance of the picture as the first round saw it: what relative errors are relative to
     /// must not change under way.
     mean_radiance: Option<f32>,
@@ -75,6 +77,7 @@ impl<B> Estimation<B> {
             buffers: is_wanted.then(|| EstimateBuffers::new(executor, size)).transpose()?,
             no_errors: Array::zeroed(executor, "no errors", 1)?,
             is_current: false,
+            has_estimated: false,
             mean_radiance: None,
             feature_samples: 0,
             changes: 0,
@@ -129,7 +132,7 @@ impl<B> Estimation<B> {
         if self.buffers.is_some() {
             let traced = samples.feature_samples(FILTER_FEATURE_SAMPLES);
             self.feature_samples = self.feature_samples.max(traced);
-            self.is_current = true;
+            (self.is_current, self.has_estimated) = (true, true);
         }
     }
 
@@ -241,6 +244,14 @@ impl<B> Estimation<B> {
         executor: &E,
     ) -> Result<Option<Vec<Estimate>>, ExecError> {
         self.buffers.as_ref().map(|buffers| buffers.read(executor)).transpose()
+    }
+
+    /// The same as they were when they were last estimated; none where they have not been.
+    pub fn read_last<E: Executor<Buffer = B>>(
+        &self,
+        executor: &E,
+    ) -> Result<Option<Vec<Estimate>>, ExecError> {
+        if self.has_estimated { self.read(executor) } else { Ok(None) }
     }
 
     fn add_features<'a, E: Executor<Buffer = B>>(

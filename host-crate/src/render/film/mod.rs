@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use raystream_shaders::film::FilmPixel;
 use raystream_shaders::film::sums::PixelSums;
-use raystream_shaders::film::tiles::{TILE, pixel_of_rank};
+use raystream_shaders::film::tiles::{TILE, pixel_of_rank, rank_of_pixel};
 use raystream_shaders::integrator::first_hits::FeaturePixel;
 use raystream_shaders::math::fixed::unit_exponent;
 use std::ops::Range;
@@ -135,7 +135,8 @@ impl<B> FilmBuffers<B> {
     /// Copies to the host, in rows, what the film comes to.
     pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Film, ExecError> {
         let FilmSize { width, height } = self.size;
-        let to_pixel = |sums: PixelSums| sums.to_pixel(self.unit_exponent);
+        let unit_exponent = self.unit_exponent;
+        let to_pixel = move |sums: PixelSums| sums.to_pixel(unit_exponent);
         let radiance = self.read_rows(executor, |band| &band.film, to_pixel)?;
         Ok(Film::new(width, height, radiance, self.read_features(executor)?))
     }
@@ -198,18 +199,26 @@ impl<B> FilmBuffers<B> {
         self.read_rows(executor, |band| &band.features, |features| features)
     }
 
-    fn read_rows<E: Executor<Buffer = B>, T: Pod, U: Pod>(
+    fn read_rows<E: Executor<Buffer = B>, T: Pod + Send + Sync, U: Pod + Send>(
         &self,
         executor: &E,
         array: impl Fn(&Band<B>) -> &Array<B, T>,
-        value: impl Fn(T) -> U,
+        value: impl Fn(T) -> U + Sync,
     ) -> Result<Vec<U>, ExecError> {
+        let FilmSize { width, height } = self.size;
         let mut rows = vec![U::zeroed(); self.pixels() as usize];
         // Band by band, so that little more than the rows themselves is in memory at once.
         for band in &self.bands {
-            for (rank, element) in (band.first_rank..).zip(array(band).read(executor)?) {
-                rows[row_place(self.size, rank)] = value(element);
-            }
+            let (elements, first_rank) = (array(band).read(executor)?, band.first_rank);
+            rows.par_chunks_mut(width as usize).zip(0..height).for_each(|(row, y)| {
+                for (pixel, x) in row.iter_mut().zip(0..) {
+                    let rank = rank_of_pixel(x, y, width, height);
+                    let in_band = rank.checked_sub(first_rank);
+                    if let Some(element) = in_band.and_then(|place| elements.get(place as usize)) {
+                        *pixel = value(*element);
+                    }
+                }
+            });
         }
         Ok(rows)
     }

@@ -60,12 +60,12 @@ impl PackedMedia {
         lights: &[Light],
     ) -> Places {
         let words: Vec<u32> = lights.par_iter().map(|light| of_light(view, light).0).collect();
-        Places { camera: around(view, origin), lights: rows_of(&words) }
+        Places { camera: of_camera(view, origin), lights: rows_of(&words) }
     }
 
     /// Writes what was not known into `rows`, those of this.
     pub fn complete(&self, rows: &mut [UVec4], places: &Places) {
-        rows[0].y = places.camera.0;
+        write_camera(rows, places.camera);
         rows[self.first_light..][..places.lights.len()].copy_from_slice(&places.lights);
     }
 }
@@ -74,6 +74,16 @@ impl PackedMedia {
 pub struct Places {
     camera: Media,
     lights: Vec<UVec4>,
+}
+
+/// What a camera at `origin` is in.
+pub fn of_camera(view: &SceneView<'_, Fixed<ALL>>, origin: Vec3) -> Media {
+    around(view, origin)
+}
+
+/// Writes what the camera is in into the rows of bodies.
+pub fn write_camera(rows: &mut [UVec4], media: Media) {
+    rows[0].y = media.0;
 }
 
 /// The words of a scene's materials, and of its quad lights, which bound none; `bodies` are

@@ -159,6 +159,26 @@ impl PreparedScene {
         Ok(prepared)
     }
 
+    /// Has the scene seen through another camera, without building it anew. Renders that have begun
+    /// do not know of it.
+    ///
+    /// # Errors
+    ///
+    /// When the camera has no direction, or a number out of range. Then nothing changes.
+    pub fn set_camera(&mut self, camera: Camera) -> Result<(), RenderError> {
+        camera.check_as_field()?;
+        self.camera = camera;
+        self.abilities &= !CAMERAS;
+        if !is_pinhole(&camera) {
+            self.abilities |= CAMERAS;
+        }
+        if self.abilities & MEDIA != 0 {
+            let within = media::of_camera(&self.view(), camera.origin);
+            media::write_camera(&mut self.surfaces[self.params.first_media as usize..], within);
+        }
+        Ok(())
+    }
+
     /// Adds what camera and lights are in, which is asked of the rest of the scene.
     fn add_media(&mut self, media: &PackedMedia, lights: &Lights) {
         self.abilities |= MEDIA;
@@ -219,6 +239,11 @@ impl PreparedScene {
     }
 }
 
+fn is_pinhole(camera: &Camera) -> bool {
+    let is_perspective = matches!(camera.projection, Projection::Perspective { .. });
+    is_perspective && !camera.projection.has_lens()
+}
+
 /// What a scene uses, but for [`MEDIA`] and [`INSTANCES`].
 fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let any = |uses: fn(&Material) -> bool| scene.materials.iter().any(uses);
@@ -230,8 +255,6 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let has_conductors = any(|m| m.principled().is_some_and(|p| p.conductor.is_some()));
     let has_holes = any(Material::has_holes);
     let has_environment = params.environment != NO_ENVIRONMENT;
-    let is_pinhole = matches!(scene.camera.projection, Projection::Perspective { .. })
-        && !scene.camera.projection.has_lens();
     let is_punctual = |light: &Light| matches!(light.kind, POINT | DIRECTION);
     [
         (has_textures, TEXTURES),
@@ -241,7 +264,7 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (has_cover, COVER),
         (has_conductors, CONDUCTORS),
         (has_holes, HOLES),
-        (!is_pinhole, CAMERAS),
+        (!is_pinhole(&scene.camera), CAMERAS),
         (lights.table.iter().any(is_punctual), PUNCTUAL),
         (!lights.maps.is_empty(), EMISSION_MAPS),
         (params.first_colours != NO_COLOURS, VERTEX_COLOURS),

@@ -7,7 +7,7 @@ mod tests;
 mod textures;
 
 use super::bounds;
-use super::camera::NamedCamera;
+use super::camera::{Camera, NamedCamera};
 use super::description::Scene;
 use super::film::FilmSize;
 use glam::Vec3;
@@ -24,6 +24,13 @@ pub struct InvalidScene {
     pub what: String,
 }
 
+impl Camera {
+    /// What is wrong with it, as the field `camera` of a scene.
+    pub(crate) fn check_as_field(&self) -> Result<(), InvalidScene> {
+        self.check().map_err(at("camera"))
+    }
+}
+
 impl Scene {
     /// Whether it can be rendered: every index is in range, every number finite and within the
     /// range that its field names. Triangles without area are fine, and are left out of renders.
@@ -34,7 +41,7 @@ impl Scene {
     pub fn check(&self) -> Result<(), InvalidScene> {
         let FilmSize { width, height } = self.film;
         FilmSize::new(width.into(), height.into()).map_err(at("film"))?;
-        self.camera.check().map_err(at("camera"))?;
+        self.camera.check_as_field()?;
         for (index, NamedCamera { camera, film, .. }) in self.cameras.iter().enumerate() {
             let place = format!("cameras[{index}]");
             camera.check().map_err(at(&place))?;

@@ -137,7 +137,7 @@ impl Layers {
 
     /// How anisotropic it is, in [0, 1].
     pub fn strength(&self) -> f32 {
-        (self.flags >> STRENGTH_BIT & GRAIN_STEPS) as f32 / GRAIN_STEPS as f32
+        (self.flags >> STRENGTH_BIT & GRAIN_STEPS) as f32 * (1.0 / GRAIN_STEPS as f32)
     }
 
     /// The direction along which it is rougher than across: unit length, across the `normal`; zero
@@ -155,7 +155,7 @@ impl Layers {
         let along = along / length.sqrt();
         let across = normal.cross(along);
         let across = if is_mirrored { -across } else { across };
-        let turns = (self.flags >> ROTATION_BIT) as f32 / GRAIN_STEPS as f32;
+        let turns = (self.flags >> ROTATION_BIT) as f32 * (1.0 / GRAIN_STEPS as f32);
         let (sine, cosine) = sin_cos_of_turns(turns);
         (along * cosine + across * sine).normalize()
     }

@@ -21,7 +21,7 @@ const SMOOTHEST: f32 = 0.2;
 /// Where the table has what a `roughness` in [0, 1] reflects, from 0 to 1: its first row is that of
 /// the smoothest.
 pub fn place(roughness: f32) -> f32 {
-    (roughness.max(SMOOTHEST) - SMOOTHEST) / (1.0 - SMOOTHEST)
+    (roughness.max(SMOOTHEST) - SMOOTHEST) * (1.0 / (1.0 - SMOOTHEST))
 }
 
 /// The roughness at such a place.

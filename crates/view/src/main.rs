@@ -1,0 +1,7 @@
+//! The program `raystream-view`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    raystream_view::program::main()
+}

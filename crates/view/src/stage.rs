@@ -1,0 +1,184 @@
+//! The scene on the stage: loaded, prepared, and what there is to know of it.
+
+use crate::navigator::Bounds;
+use glam::{DVec3, Vec3};
+use raystream::render::scene::camera::camera as on_film;
+use raystream::render::{BvhQuality, PreparedScene, RenderError, Settings};
+use raystream::scene::{Camera, FilmSize, LoadOptions, Scene, SceneError, Sky, shipped};
+use raystream_shaders::scene::abilities::{ALL, Fixed};
+use std::path::{Path, PathBuf};
+
+/// What can go wrong before there is a picture, or with one.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StageError {
+    /// The scene cannot be loaded.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// It cannot be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A device cannot be opened.
+    #[error(transparent)]
+    Device(#[from] raystream::exec::ExecError),
+}
+
+/// Which scene, and how it is loaded.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneChoice {
+    /// A file, or the name of a scene that ships.
+    pub name: PathBuf,
+    /// The camera of a glTF, by its name.
+    pub camera: Option<String>,
+    /// How high the sun of a clear sky stands that lights it, in degrees.
+    pub sky: Option<f32>,
+    /// The size of the picture, if it is not the scene's.
+    pub size: Option<FilmSize>,
+}
+
+impl SceneChoice {
+    /// The name of the shipped scene that is meant, unless a file is.
+    pub fn shipped(&self) -> Option<&'static str> {
+        let name = self.name.to_str()?;
+        let found = shipped().iter().find(|scene| scene.name == name)?;
+        (!self.name.is_file()).then_some(found.name)
+    }
+
+    /// Loads it; with the files that were read, also where one of them is wrong.
+    pub fn load(&self) -> (Result<Scene, SceneError>, Vec<PathBuf>) {
+        let options = LoadOptions::default();
+        let (scene, files) = match (self.shipped(), self.name.to_str()) {
+            (Some(name), _) => (options.load_named(name), Vec::new()),
+            // The message lists the scenes that ship.
+            (None, Some(name)) if is_no_file(name, &self.name) => {
+                (options.load_named(name), Vec::new())
+            }
+            _ => options.load_listing(&self.name),
+        };
+        (scene.and_then(|scene| self.changed(scene)), files)
+    }
+
+    /// The scene as it was asked for.
+    fn changed(&self, mut scene: Scene) -> Result<Scene, SceneError> {
+        if let Some(camera) = &self.camera {
+            scene.use_camera(camera)?;
+        }
+        if let Some(elevation) = self.sky {
+            scene.set_environment(Sky::new(elevation).environment());
+        }
+        if let Some(size) = self.size {
+            scene.film = size;
+        }
+        Ok(scene)
+    }
+}
+
+fn is_no_file(name: &str, path: &Path) -> bool {
+    !name.contains(['/', '\\', '.']) && !path.exists()
+}
+
+/// What there is to know of a scene.
+#[derive(Clone, Debug)]
+pub struct SceneFacts {
+    /// What it is called.
+    pub name: String,
+    /// Its camera.
+    pub camera: Camera,
+    /// The size of its picture.
+    pub size: FilmSize,
+    /// Where its geometry is.
+    pub bounds: Bounds,
+    /// Its triangles, those of all instances counted.
+    pub triangles: u64,
+    /// What the picture does not show, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// A scene, ready to be rendered.
+pub struct Stage {
+    prepared: PreparedScene,
+    base: Settings,
+    facts: SceneFacts,
+}
+
+impl Stage {
+    /// Prepares a scene.
+    ///
+    /// # Errors
+    /// If its parts do not fit together.
+    pub fn new(scene: &Scene) -> Result<Self, RenderError> {
+        let prepared = PreparedScene::new(scene, BvhQuality::High)?;
+        let warnings = scene.warnings.iter().cloned().chain(prepared.warnings()).collect();
+        let facts = SceneFacts {
+            name: scene.name.clone(),
+            camera: scene.camera,
+            size: scene.film,
+            bounds: bounds(scene),
+            triangles: triangles(scene),
+            warnings,
+        };
+        Ok(Self { prepared, base: Settings::for_scene(scene), facts })
+    }
+
+    /// What there is to know of it.
+    pub fn facts(&self) -> &SceneFacts {
+        &self.facts
+    }
+
+    /// Settings with the scene's lengths of paths, for a picture of this size.
+    pub fn base(&self, size: FilmSize) -> Settings {
+        Settings { size, ..self.base }
+    }
+
+    /// The scene as renderers take it.
+    pub fn prepared(&self) -> &PreparedScene {
+        &self.prepared
+    }
+
+    /// Sees it through another camera.
+    ///
+    /// # Errors
+    /// If the camera has no direction, or numbers out of range.
+    pub fn set_camera(&mut self, camera: Camera) -> Result<(), RenderError> {
+        self.prepared.set_camera(camera)
+    }
+
+    /// The point that is seen at a place of the picture, in pixels of a picture of `size`; None if
+    /// there is none.
+    pub fn pick(&self, camera: &Camera, size: FilmSize, place: [f32; 2]) -> Option<DVec3> {
+        let ray = on_film(camera, size).ray(Fixed::<ALL>, place, [0.5; 2]);
+        let hit = self.prepared.view().closest_hit(&ray);
+        let point: Vec3 = ray.origin + ray.direction * hit.t;
+        hit.is_some().then(|| point.as_dvec3())
+    }
+}
+
+fn triangles(scene: &Scene) -> u64 {
+    let count = |mesh: &raystream::scene::Mesh| mesh.triangles.len() as u64;
+    let of_shape = |shape: u32| scene.shapes.get(shape as usize).map_or(0, count);
+    let repeated = scene.instances.iter().map(|instance| of_shape(instance.shape.0));
+    scene.meshes.iter().map(count).chain(repeated).sum()
+}
+
+fn bounds(scene: &Scene) -> Bounds {
+    let of_meshes = scene.meshes.iter().flat_map(|mesh| mesh.positions.iter());
+    let ends = |shape: &raystream::scene::Mesh| {
+        let (low, high) = shape
+            .positions
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), point| {
+                (low.min(*point), high.max(*point))
+            });
+        [low.as_dvec3(), high.as_dvec3()]
+    };
+    let of_shapes: Vec<[DVec3; 2]> = scene.shapes.iter().map(ends).collect();
+    let of_instances = scene.instances.iter().flat_map(|instance| {
+        let [low, high] = of_shapes[instance.shape.0 as usize];
+        let corner = move |bits: u32| {
+            let pick = |axis: u32| if bits >> axis & 1 == 0 { low } else { high };
+            DVec3::new(pick(0).x, pick(1).y, pick(2).z)
+        };
+        (0..8).map(move |bits| instance.transform.transform_point3(corner(bits)))
+    });
+    Bounds::of(of_meshes.map(|p| p.as_dvec3()).chain(of_instances).filter(|p| p.is_finite()))
+}
