@@ -271,7 +271,7 @@ pub fn collect_planes(
                     let slope = at(planes, pixels + there).w;
                     color += value.truncate() * weight;
                     weights += weight;
-                    let follow = constant.w + slope * (1.0 - weight + EVENNESS);
+                    let follow = constant.w + slope * (1.0 + EVENNESS - weight);
                     follows += weight * (weight * follow).min(1.0);
                 }
             }

@@ -8,6 +8,7 @@ mod commands;
 mod comparing;
 mod convergence;
 mod denoise;
+mod diff_devices;
 mod environment;
 mod integrators;
 mod interrupt;

@@ -129,6 +129,7 @@ fn options_without_effect_are_said() {
         ("--tone-map aces", "--tone-map"),
         ("--validation", "--validation"),
         ("--naga", "--naga"),
+        ("--exact", "--exact"),
     ] {
         let run = run(folder.path(), &format!("{TINY} {arguments}")).succeeded();
         let warning = format!("warning: {option} has no effect ");

@@ -11,17 +11,30 @@ use std::collections::HashMap;
 /// The kernel that calls the functions.
 const CALLER: &str = "calculate";
 
-/// Makes `module`, of all kernels, exact.
+/// How kernels find quotients and roots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// As the driver does, with all else: fast, and on each device in another way.
+    OfDriver,
+    /// Correctly, by an `fma` that rounds once.
+    ByFma,
+    /// Correctly, by integers: on any device.
+    ByIntegers,
+}
+
+/// What is estimated by the device's own.
+const ESTIMATED: [Function; 4] =
+    [Function::Quotient, Function::Root, Function::FusedQuotient, Function::FusedRoot];
+
+/// Makes `module`, of all kernels, exact; with quotients and roots by `fma` if `fused`.
 ///
 /// # Errors
 /// What in it has no exact counterpart.
-pub fn make_exact(module: &mut Module) -> Result<(), String> {
-    let mut calls = Calls::of(module)?;
+pub fn make_exact(module: &mut Module, fused: bool) -> Result<(), String> {
+    let mut calls = Calls::of(module, fused)?;
     let mut kept_apart = Vec::new();
     for function in &mut module.functions {
-        // The device's own are the estimates of these two.
-        let of_estimates = [Function::Quotient, Function::Root];
-        let is_estimate = of_estimates.iter().any(|&of| Some(calls.id(of)) == function.def_id());
+        let is_estimate = ESTIMATED.iter().any(|&of| Some(calls.id(of)) == function.def_id());
         for instructions in function.blocks.iter_mut().map(|block| &mut block.instructions) {
             if !is_estimate {
                 let mut exact = Vec::with_capacity(instructions.len());
@@ -86,11 +99,13 @@ struct Calls {
     /// The types of vectors of such numbers, and their lengths.
     vectors: HashMap<u32, u32>,
     next_id: u32,
+    /// Whether quotients and roots are those by `fma`.
+    fused: bool,
 }
 
 impl Calls {
     /// Of those that `module` calls from [`CALLER`].
-    fn of(module: &Module) -> Result<Self, String> {
+    fn of(module: &Module, fused: bool) -> Result<Self, String> {
         let missing = || format!("its kernel '{CALLER}' does not call the exact functions");
         let name = Operand::LiteralString(CALLER.into());
         let entry = module.entry_points.iter().find(|entry| entry.operands.get(2) == Some(&name));
@@ -116,6 +131,7 @@ impl Calls {
             number,
             vectors: vectors.collect(),
             next_id: module.header.as_ref().map_or(0, |header| header.bound),
+            fused,
         })
     }
 
@@ -168,6 +184,11 @@ impl Calls {
 
     /// A call whose result has the id `result`.
     fn call(&self, function: Function, result: Option<u32>, arguments: &[u32]) -> Instruction {
+        let function = match function {
+            Function::Quotient if self.fused => Function::FusedQuotient,
+            Function::Root if self.fused => Function::FusedRoot,
+            other => other,
+        };
         let ids = std::iter::once(self.id(function)).chain(arguments.iter().copied());
         let operands: Vec<_> = ids.map(Operand::IdRef).collect();
         Instruction::new(Op::FunctionCall, Some(self.number), result, operands)
@@ -220,7 +241,12 @@ mod tests {
     }
 
     fn count(module: &Module, what: impl Fn(&Instruction) -> bool) -> usize {
-        module.functions.iter().flat_map(|f| f.all_inst_iter()).filter(|i| what(i)).count()
+        module
+            .functions
+            .iter()
+            .flat_map(rspirv::dr::Function::all_inst_iter)
+            .filter(|i| what(i))
+            .count()
     }
 
     #[test]
@@ -229,14 +255,12 @@ mod tests {
         let divisions = |module: &Module| count(module, |i| i.class.opcode == Op::FDiv);
         let others = |module: &Module| count(module, |i| matches!(stands_for(i), Ok(Some((_, 2)))));
         let before = [divisions(&module), others(&module)];
-        let functions = Calls::of(&module).unwrap();
-        make_exact(&mut module).unwrap();
+        let functions = Calls::of(&module, false).unwrap();
+        make_exact(&mut module, false).unwrap();
         let estimates = module.functions.iter().filter(|function| {
-            [Function::Quotient, Function::Root]
-                .iter()
-                .any(|&of| function.def_id() == Some(functions.id(of)))
+            ESTIMATED.iter().any(|&of| function.def_id() == Some(functions.id(of)))
         });
-        let estimates: Vec<_> = estimates.flat_map(|f| f.all_inst_iter()).collect();
+        let estimates: Vec<_> = estimates.flat_map(rspirv::dr::Function::all_inst_iter).collect();
         let left = |op: Op| estimates.iter().filter(|i| i.class.opcode == op).count();
         assert_eq!([divisions(&module), others(&module)], [Op::FDiv, Op::ExtInst].map(left));
         assert!(before[0] > 1000 && before[1] > 1000, "{before:?}");
@@ -246,7 +270,7 @@ mod tests {
     #[test]
     fn nothing_that_is_rounded_may_be_fused() {
         let mut module = module();
-        make_exact(&mut module).unwrap();
+        make_exact(&mut module, false).unwrap();
         let rounded = count(&module, |i| is_rounded(i.class.opcode));
         let contraction = Operand::Decoration(Decoration::NoContraction);
         let apart = module.annotations.iter().filter(|about| about.operands.contains(&contraction));
@@ -259,11 +283,11 @@ mod tests {
         let division = module
             .functions
             .iter_mut()
-            .flat_map(|function| function.all_inst_iter_mut())
+            .flat_map(rspirv::dr::Function::all_inst_iter_mut)
             .find(|instruction| instruction.class.opcode == Op::FDiv)
             .unwrap();
         let Instruction { result_type, result_id, ref operands, .. } = *division;
         *division = Instruction::new(Op::FRem, result_type, result_id, operands.clone());
-        assert!(make_exact(&mut module).unwrap_err().contains("FRem"));
+        assert!(make_exact(&mut module, false).unwrap_err().contains("FRem"));
     }
 }

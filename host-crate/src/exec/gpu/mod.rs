@@ -12,6 +12,7 @@ pub use pipelines::ShaderPath;
 use super::arithmetic::Arithmetic;
 use super::{ExecError, Executor, Kernel, Launch, Limits, kernels};
 use clock::Clock;
+use exact::Rounding;
 use pipelines::{Pipeline, Pipelines};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -73,8 +74,9 @@ impl GpuExecutor {
         });
 
         let unsuitable = |reason| ExecError::Unsuitable { device: name.clone(), reason };
-        let pipelines = Pipelines::new(device.clone(), path, exact).map_err(unsuitable)?;
-        let executor = Self {
+        let pipelines =
+            Pipelines::new(device.clone(), path, Rounding::OfDriver).map_err(unsuitable)?;
+        let mut executor = Self {
             name,
             pipelines,
             limits,
@@ -86,14 +88,27 @@ impl GpuExecutor {
             device,
             queue,
         };
-        executor.compile(0, |kernel| !kernel.has_scene())?;
         if exact {
-            let arithmetic = Arithmetic::of(&executor)?;
-            let unsuitable =
-                |reason| ExecError::Unsuitable { device: executor.name.clone(), reason };
-            arithmetic.check().map_err(unsuitable)?;
+            executor.make_exact(path)?;
         }
+        executor.compile(0, |kernel| !kernel.has_scene())?;
         Ok(executor)
+    }
+
+    /// Takes the fastest kernels that compute what the CPU does.
+    fn make_exact(&mut self, path: ShaderPath) -> Result<(), ExecError> {
+        let fast = self.name.clone();
+        let unsuitable = |reason| ExecError::Unsuitable { device: fast.clone(), reason };
+        self.name = format!("{fast}, exact");
+        let mut use_kernels = |rounding| {
+            let pipelines = Pipelines::new(self.device.clone(), path, rounding);
+            self.pipelines = pipelines.map_err(unsuitable)?;
+            Ok::<_, ExecError>(Arithmetic::of(self)?.check())
+        };
+        if use_kernels(Rounding::ByFma)?.is_ok() {
+            return Ok(());
+        }
+        use_kernels(Rounding::ByIntegers)?.map_err(unsuitable)
     }
 
     /// Compiles those of the kernels that are `wanted`, for scenes that use `abilities`.

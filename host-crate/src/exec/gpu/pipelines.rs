@@ -1,5 +1,6 @@
 //! The kernels as the driver gets them.
 
+use super::exact::Rounding;
 use super::spirv;
 use crate::exec::kernels::SPIRV;
 use crate::exec::{Access, Kernel};
@@ -31,9 +32,9 @@ impl Pipelines {
     ///
     /// # Errors
     /// Why it cannot be read, or what of it cannot be exact.
-    pub fn new(device: wgpu::Device, path: ShaderPath, exact: bool) -> Result<Self, String> {
+    pub fn new(device: wgpu::Device, path: ShaderPath, rounding: Rounding) -> Result<Self, String> {
         let words = bytemuck::pod_collect_to_vec::<u8, u32>(SPIRV);
-        let kernels = spirv::Kernels::parse(&words, exact)?;
+        let kernels = spirv::Kernels::parse(&words, rounding)?;
         Ok(Self { device, path, kernels, compiled: Mutex::default() })
     }
 

@@ -9,7 +9,7 @@
 //! any more but the scene's own. wgpu has no way to give one to a driver, and like this every
 //! compiler on the way, naga too, knows the branches that are dead.
 
-use super::exact::make_exact;
+use super::exact::{Rounding, make_exact};
 use raystream_shaders::scene::abilities::ABILITIES;
 use rspirv::binary::Assemble;
 use rspirv::dr::{Function, Instruction, Module, Operand, load_words};
@@ -28,10 +28,10 @@ impl Kernels {
     ///
     /// # Errors
     /// Why they are no SPIR-V, or what of them cannot be exact.
-    pub fn parse(words: &[u32], exact: bool) -> Result<Self, String> {
+    pub fn parse(words: &[u32], rounding: Rounding) -> Result<Self, String> {
         let mut module = load_words(words).map_err(|error| format!("its kernels: {error}"))?;
-        if exact {
-            make_exact(&mut module)?;
+        if rounding != Rounding::OfDriver {
+            make_exact(&mut module, rounding == Rounding::ByFma)?;
         }
         let functions = module.functions.iter().enumerate();
         let functions = functions.filter_map(|(place, f)| Some((f.def_id()?, place))).collect();
@@ -160,7 +160,7 @@ mod tests {
     use crate::exec::kernels::{SPIRV, table};
 
     fn kernels() -> Kernels {
-        Kernels::parse(&bytemuck::pod_collect_to_vec(SPIRV), false).unwrap()
+        Kernels::parse(&bytemuck::pod_collect_to_vec(SPIRV), Rounding::OfDriver).unwrap()
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub fn divide(a: f32, b: f32) -> f32 {
         let quotient = mantissas_quotient(mantissa(a), mantissa(b));
         // One less, since the mantissa's leading one counts as one more.
         let exponent = difference + BIAS - 1 - i32::from(quotient.is_doubled);
-        (a ^ b) & SIGN | ((exponent as u32) << FRACTION_BITS) + quotient.rounded
+        (a ^ b) & SIGN | (((exponent as u32) << FRACTION_BITS) + quotient.rounded)
     } else {
         divide_any(a, b)
     })

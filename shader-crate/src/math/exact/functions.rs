@@ -10,7 +10,7 @@ use spirv_std::num_traits::Float as _;
 use core::f32::consts::LOG2_E;
 
 /// The upper part of the logarithm of 2: of so few bits that its product with an exponent is exact.
-const LN_2_HIGH: f32 = 0.693_359_375;
+const LN_2_HIGH: f32 = 0.693_359_4;
 /// What that lacks.
 const LN_2_LOW: f32 = -2.121_944_4e-4;
 /// Above this an exponential is infinite.
@@ -41,6 +41,7 @@ pub fn pow(x: f32, y: f32) -> f32 {
     if y == 0.0 || x == 1.0 {
         return 1.0;
     }
+    #[expect(clippy::manual_range_contains, reason = "what is no number goes on")]
     if x < f32::MIN_POSITIVE || x > f32::MAX {
         // Zero or infinity to a power, or what is no number.
         let is_large = (x > 1.0) == (y > 0.0);
@@ -85,7 +86,7 @@ pub fn arc_tangent(y: f32, x: f32) -> f32 {
         ratio
     };
     let z = t * t;
-    let terms = ((8.053_744_5e-2 * z - 1.387_768_6e-1) * z + 1.997_771_1e-1) * z - 3.333_294_9e-1;
+    let terms = ((8.053_744_5e-2 * z - 1.387_768_6e-1) * z + 1.997_771_1e-1) * z - 3.333_295e-1;
     let angle = terms * z * t + t;
     let eighths = if is_beyond { 1.0 } else { 0.0 };
     let (eighths, angle) = if is_steep { (2.0 - eighths, -angle) } else { (eighths, angle) };
@@ -97,7 +98,7 @@ pub fn arc_tangent(y: f32, x: f32) -> f32 {
 /// The upper part of an eighth of a turn, of so few bits that its multiples are exact.
 const EIGHTH_HIGH: f32 = 0.785_156_25;
 /// What that lacks.
-const EIGHTH_LOW: f32 = 2.419_133_9e-4;
+const EIGHTH_LOW: f32 = 2.419_134e-4;
 
 /// The quotient of two equal numbers, also infinite ones; of two zeros 0.
 fn of_equals(number: f32) -> f32 {
@@ -150,6 +151,7 @@ fn ln_as_sum(x: f32) -> (f32, f32) {
     if x < f32::MIN_POSITIVE {
         return (if x < 0.0 { f32::NAN } else { f32::NEG_INFINITY }, 0.0);
     }
+    #[expect(clippy::neg_cmp_op_on_partial_ord, reason = "what is no number stays so")]
     if !(x <= f32::MAX) {
         return (x, 0.0);
     }
@@ -159,9 +161,9 @@ fn ln_as_sum(x: f32) -> (f32, f32) {
     let mantissa = f32::from_bits((shifted & 0x007f_ffff) + 0x3f35_04f3);
     let f = mantissa - 1.0;
     let z = f * f;
-    let terms = ((7.037_683_6e-2 * f - 1.151_461_03e-1) * f + 1.167_699_87e-1) * f - 1.242_014_1e-1;
+    let terms = ((7.037_683_6e-2 * f - 1.151_461e-1) * f + 1.167_699_87e-1) * f - 1.242_014_1e-1;
     let terms = ((terms * f + 1.424_932_3e-1) * f - 1.666_805_8e-1) * f + 2.000_071_5e-1;
-    let terms = (terms * f - 2.499_999_4e-1) * f + 3.333_333_1e-1;
+    let terms = (terms * f - 2.499_999_4e-1) * f + 3.333_333e-1;
     // ln(1 + f) = f - z / 2 + ..., of which f is exact.
     let tail = f * z * terms - 0.5 * z;
     let whole = exponent * LN_2_HIGH;

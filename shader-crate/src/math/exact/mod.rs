@@ -7,8 +7,8 @@
 //!
 //! | here | on the CPU | on a GPU, fast | on a GPU, exact |
 //! |---|---|---|---|
-//! | [`divide`] | `/` | the driver's | this |
-//! | [`square_root`] | `sqrt` | the driver's | this |
+//! | [`divide`] or [`divide_fused`] | `/` | the driver's | this |
+//! | [`square_root`] or [`square_root_fused`] | `sqrt` | the driver's | this |
 //! | [`exp`], [`ln`], [`pow`], [`arc_tangent`] | this | the driver's | this |
 //!
 //! Kernels say `/`, `sqrt` and [`elementary`](super::elementary). The host makes the exact module
@@ -17,9 +17,11 @@
 
 mod arithmetic;
 mod functions;
+mod fused;
 
 pub use arithmetic::{divide, square_root};
 pub use functions::{arc_tangent, exp, ln, pow};
+pub use fused::{divide_fused, square_root_fused};
 
 use crate::memory::access::at;
 use crate::memory::device_struct;
@@ -27,13 +29,15 @@ use crate::memory::device_struct;
 use spirv_std::num_traits::Float as _;
 
 /// The functions that stand for a driver's, in the order in which [`calculate`] calls them.
-pub const CALLED: [Function; 6] = [
+pub const CALLED: [Function; 8] = [
     Function::Exponential,
     Function::Logarithm,
     Function::Power,
     Function::Angle,
     Function::Quotient,
     Function::Root,
+    Function::FusedQuotient,
+    Function::FusedRoot,
 ];
 
 /// What a driver computes in a way of its own.
@@ -51,6 +55,10 @@ pub enum Function {
     Quotient,
     /// [`square_root`].
     Root,
+    /// [`divide_fused`].
+    FusedQuotient,
+    /// [`square_root_fused`].
+    FusedRoot,
 }
 
 device_struct! {
@@ -81,7 +89,7 @@ device_struct! {
 }
 
 device_struct! {
-    /// What [`calculate`] makes of its operands, as bits. 48 bytes.
+    /// What [`calculate`] makes of its operands, as bits. 64 bytes.
     pub struct Results {
         /// `a + b`, by the device.
         pub sum: u32,
@@ -105,8 +113,14 @@ device_struct! {
         pub divided: u32,
         /// [`square_root`].
         pub rooted: u32,
+        /// [`divide_fused`].
+        pub fused_quotient: u32,
+        /// [`square_root_fused`].
+        pub fused_root: u32,
         /// Unused; zero.
         pub pad: u32,
+        /// Unused; zero.
+        pub pad_2: [u32; 2],
     }
 }
 
@@ -128,6 +142,9 @@ pub fn calculate(lane: u32, _: &CalculateParams, operands: &[Operands], results:
         angle: arc_tangent(a, b).to_bits(),
         divided: divide(a, b).to_bits(),
         rooted: square_root(a).to_bits(),
+        fused_quotient: divide_fused(a, b).to_bits(),
+        fused_root: square_root_fused(a).to_bits(),
         pad: 0,
+        pad_2: [0; 2],
     };
 }
