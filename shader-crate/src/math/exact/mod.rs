@@ -69,7 +69,9 @@ device_struct! {
         /// Unused; zero.
         pub pad: u32,
         /// Unused; zero.
-        pub pad_2: [u32; 2],
+        pub pad_2: u32,
+        /// Unused; zero.
+        pub pad_3: u32,
     }
 }
 
