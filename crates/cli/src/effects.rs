@@ -232,6 +232,7 @@ mod tests {
     const ALWAYS: &[&str] = &[
         "allocator",
         "allocators",
+        "arguments",
         "at",
         "bvh",
         "cache",
