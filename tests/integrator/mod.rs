@@ -16,7 +16,7 @@ mod punctual_lights;
 mod renders;
 mod slots;
 mod techniques;
-pub mod tracing;
+mod tracing;
 mod vertex_colours;
 mod wide_textures;
 mod wrapping;

@@ -41,14 +41,13 @@ pub fn pow(x: f32, y: f32) -> f32 {
     if y == 0.0 || x == 1.0 {
         return 1.0;
     }
-    #[expect(clippy::manual_range_contains, reason = "what is no number goes on")]
-    if x < f32::MIN_POSITIVE || x > f32::MAX {
+    if x < f32::MIN_POSITIVE || x.to_bits() == INFINITE {
         // Zero or infinity to a power, or what is no number.
         let is_large = (x > 1.0) == (y > 0.0);
         return if x < 0.0 {
-            f32::NAN
+            no_number(x)
         } else if is_large {
-            f32::INFINITY
+            infinite(x)
         } else {
             0.0
         };
@@ -60,7 +59,7 @@ pub fn pow(x: f32, y: f32) -> f32 {
     let product = y_high * high_high;
     let rest = y_high * high_low + y_low * high_high + (y_low * high_low + y * low);
     if product > 2.0 * LARGEST_EXPONENT {
-        f32::INFINITY
+        infinite(x)
     } else if product < 2.0 * SMALLEST_EXPONENT {
         0.0
     } else {
@@ -120,11 +119,24 @@ fn upper_half(x: f32) -> f32 {
     f32::from_bits(x.to_bits() & !0xfff)
 }
 
+/// The bits of infinity.
+const INFINITE: u32 = 0x7f80_0000;
+
+/// Infinity, as no constant: WGSL has none. `x` may be any number.
+fn infinite(x: f32) -> f32 {
+    f32::from_bits((x.to_bits() | INFINITE) & INFINITE)
+}
+
+/// No number, likewise.
+fn no_number(x: f32) -> f32 {
+    f32::from_bits(x.to_bits() | 0x7fc0_0000)
+}
+
 /// `e^(high + low)`, where `low` is small.
 fn exp_of_sum(high: f32, low: f32) -> f32 {
     let sum = high + low;
     if sum > LARGEST_EXPONENT {
-        return f32::INFINITY;
+        return infinite(sum);
     }
     if sum < SMALLEST_EXPONENT {
         return 0.0;
@@ -149,10 +161,9 @@ fn power_of_two(exponent: i32) -> f32 {
 /// 1e-8 of a unit where `x` is near 1, and a part in 2^30 elsewhere.
 fn ln_as_sum(x: f32) -> (f32, f32) {
     if x < f32::MIN_POSITIVE {
-        return (if x < 0.0 { f32::NAN } else { f32::NEG_INFINITY }, 0.0);
+        return (if x < 0.0 { no_number(x) } else { -infinite(x) }, 0.0);
     }
-    #[expect(clippy::neg_cmp_op_on_partial_ord, reason = "what is no number stays so")]
-    if !(x <= f32::MAX) {
+    if x.to_bits() >= INFINITE {
         return (x, 0.0);
     }
     // x = mantissa 2^exponent, the mantissa from sqrt(1/2) to sqrt(2).
