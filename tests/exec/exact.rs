@@ -21,8 +21,10 @@ fn assert_same(
     assert!(partings.is_empty(), "{what}:\n{}", partings.join("\n"));
 }
 
-/// Filters that part in the last place somewhere: docs/EXACT.md has what is left.
-const PARTING: [FilterKind; 3] = [FilterKind::Auto, FilterKind::Learned, FilterKind::Nfor];
+/// Filters that part in the last place somewhere (docs/EXACT.md has what is left), and one that is
+/// another project's.
+const PARTING: [FilterKind; 4] =
+    [FilterKind::Auto, FilterKind::Learned, FilterKind::Nfor, FilterKind::Oidn];
 
 /// Of `lvc` a real GPU is the same, but Mesa's software ends some light paths elsewhere.
 fn is_known_to_part(gpu: &GpuExecutor, integrator: IntegratorKind) -> bool {
