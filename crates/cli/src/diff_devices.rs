@@ -64,15 +64,9 @@ pub fn run_command(arguments: &DiffDevicesArguments, given: &Given) -> Result<En
         denoise: arguments.denoise,
         ..arguments.settings.settings(&scene)
     };
-    let is_cpu = |device: &Device| matches!(device, Device::Cpu(..));
-    given.warn(&Facts {
-        filters: settings.denoise.into_iter().collect(),
-        integrators: vec![settings.integrator],
-        samplings: vec![settings.sampling],
-        projection: Some(scene.camera.projection),
-        on_gpu: !is_cpu(&first) || !is_cpu(&second),
-        ..Facts::default()
-    });
+    let facts = Facts::of_render(&settings, &scene, &first);
+    let on_gpu = facts.on_gpu || Facts::of_device(&second).on_gpu;
+    given.warn(&Facts { on_gpu, ..facts });
     let prepared = arguments.settings.prepare(scene, true)?;
     let names = [first.description(), second.description()];
     let pair = Paired::new(first, second);
