@@ -10,23 +10,39 @@ use crate::watch::Signals;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use raystream::film_file::FilmFile;
 use raystream::image::{ColorImage, LayeredImage};
 use raystream::render::run_watched;
 use raystream_cli::{Call, CliError, ReadyCall, Rendered, in_keywords};
+use std::path::PathBuf;
 
-/// Makes a call ready: scene, hierarchy, devices. Returns what to warn of, too.
-pub fn ready(scene: &Scene, call: Call) -> Result<(ReadyCall, Vec<String>), CliError> {
-    let (prepared, mut warnings) = scene.prepare(&call)?;
-    let devices = devices::open(&call)?;
-    let ready = call.ready(&scene.scene, prepared, devices, None);
-    warnings.extend(ready.warnings().iter().cloned());
-    Ok((ready, warnings))
+/// Makes a call ready, from its beginning or from a film of a file: scene, hierarchy, devices. Warns
+/// of what is to be known.
+pub fn ready(
+    py: Python<'_>,
+    scene: &Scene,
+    call: Call,
+    from: Option<(PathBuf, FilmFile)>,
+) -> PyResult<ReadyCall> {
+    let (ready, warnings) = without_lock(py, || {
+        let (prepared, warnings) = scene.prepare(&call)?;
+        let devices = devices::open(&call)?;
+        Ok((call.ready(&scene.scene, prepared, devices, from), warnings))
+    })?;
+    warn(py, &warnings)?;
+    warn(py, ready.warnings())?;
+    Ok(ready)
 }
 
-/// The call for `scene` with these options.
-pub fn call_of(scene: &Scene, others: Options) -> PyResult<Call> {
+/// A render of `scene`, a Scene or what load() takes, with these keywords, made ready.
+pub fn ready_of(
+    scene: &Bound<'_, PyAny>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<ReadyCall> {
+    let (scene, others) = scene_of(scene, options_of(options)?)?;
+    let (py, scene) = (scene.py(), scene.get());
     let options: Options = scene.options.iter().cloned().chain(others).collect();
-    Call::new(&scene.source, &options).map_err(value_error)
+    ready(py, scene, Call::new(&scene.source, &options).map_err(value_error)?, None)
 }
 
 /// Renders a scene to an array of float32, (height, width, 3): linear Rec.709.
@@ -46,11 +62,7 @@ pub fn render<'py>(
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
     let py = scene.py();
-    let (scene, others) = scene_of(scene, options_of(options)?)?;
-    let scene: &Scene = scene.get();
-    let call = call_of(scene, others)?;
-    let (ready, warnings) = without_lock(py, || ready(scene, call))?;
-    warn(py, &warnings)?;
+    let ready = ready_of(scene, options)?;
     let mut signals = Signals::of_one();
     let rendered = without_lock(py, || picture(ready, &mut signals))?;
     signals.raised()?;

@@ -1,12 +1,11 @@
 //! A render in rounds.
 
-use crate::devices;
 use crate::errors::{value_error, without_lock};
 use crate::options::{Options, options_of, path_text};
-use crate::render::{call_of, ready};
+use crate::render::{ready, ready_of};
 use crate::round::Round;
 use crate::said::warn;
-use crate::scene::{OF_ARRAYS, Scene, scene_of};
+use crate::scene::{OF_ARRAYS, Scene};
 use crate::watch::Signals;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -168,13 +167,7 @@ impl Renderer {
     #[new]
     #[pyo3(signature = (scene, **options))]
     fn new(scene: &Bound<'_, PyAny>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let py = scene.py();
-        let (scene, others) = scene_of(scene, options_of(options)?)?;
-        let scene: &Scene = scene.get();
-        let call = call_of(scene, others)?;
-        let (ready, warnings) = without_lock(py, || ready(scene, call))?;
-        warn(py, &warnings)?;
-        Self::begin(py, ready)
+        Self::begin(scene.py(), ready_of(scene, options)?)
     }
 
     fn __iter__(slf: Py<Self>) -> Py<Self> {
@@ -260,13 +253,5 @@ pub fn resume(
             Bound::new(py, loaded)?
         }
     };
-    let scene: &Scene = scene.get();
-    let (ready, warnings) = without_lock(py, || {
-        let (prepared, warnings) = scene.prepare(&call)?;
-        let devices = devices::open(&call)?;
-        Ok((call.ready(&scene.scene, prepared, devices, Some((path, file))), warnings))
-    })?;
-    warn(py, &warnings)?;
-    warn(py, ready.warnings())?;
-    Renderer::begin(py, ready)
+    Renderer::begin(py, ready(py, scene.get(), call, Some((path, file)))?)
 }

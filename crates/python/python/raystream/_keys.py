@@ -119,6 +119,7 @@ class RenderOptions(LoadOptions, total=False):
     seed: Union[Whole, None]
     device: Union[str, List[str], None]
     naga: Union[bool, None]
+    exact: Union[bool, None]
     validation: Union[bool, None]
     integrator: Union[
         Literal["auto", "megakernel", "compaction", "regeneration", "streaming", "lvc"], None
