@@ -74,8 +74,8 @@ impl GpuExecutor {
         });
 
         let unsuitable = |reason| ExecError::Unsuitable { device: name.clone(), reason };
-        let pipelines =
-            Pipelines::new(device.clone(), path, Rounding::OfDriver).map_err(unsuitable)?;
+        let rounding = if exact { Rounding::ByFma } else { Rounding::OfDriver };
+        let pipelines = Pipelines::new(device.clone(), path, rounding).map_err(unsuitable)?;
         let mut executor = Self {
             name,
             pipelines,
@@ -89,26 +89,24 @@ impl GpuExecutor {
             queue,
         };
         if exact {
-            executor.make_exact(path)?;
+            executor.find_exact(path)?;
         }
         executor.compile(0, |kernel| !kernel.has_scene())?;
         Ok(executor)
     }
 
-    /// Takes the fastest kernels that compute what the CPU does.
-    fn make_exact(&mut self, path: ShaderPath) -> Result<(), ExecError> {
+    /// Keeps the kernels by `fma` if they compute what the CPU does, or else takes those by
+    /// integers.
+    fn find_exact(&mut self, path: ShaderPath) -> Result<(), ExecError> {
         let fast = self.name.clone();
         let unsuitable = |reason| ExecError::Unsuitable { device: fast.clone(), reason };
         self.name = format!("{fast}, exact");
-        let mut use_kernels = |rounding| {
-            let pipelines = Pipelines::new(self.device.clone(), path, rounding);
-            self.pipelines = pipelines.map_err(unsuitable)?;
-            Ok::<_, ExecError>(Arithmetic::of(self)?.check())
-        };
-        if use_kernels(Rounding::ByFma)?.is_ok() {
+        if Arithmetic::of(self)?.check().is_ok() {
             return Ok(());
         }
-        use_kernels(Rounding::ByIntegers)?.map_err(unsuitable)
+        let pipelines = Pipelines::new(self.device.clone(), path, Rounding::ByIntegers);
+        self.pipelines = pipelines.map_err(unsuitable)?;
+        Arithmetic::of(self)?.check().map_err(unsuitable)
     }
 
     /// Compiles those of the kernels that are `wanted`, for scenes that use `abilities`.

@@ -17,7 +17,7 @@ const BIAS: i32 = 127;
 /// The exponent of infinities and of what is no number, as it is stored.
 const SPECIAL: i32 = 255;
 /// Infinity.
-const INFINITE: u32 = (SPECIAL as u32) << FRACTION_BITS;
+pub(super) const INFINITE: u32 = (SPECIAL as u32) << FRACTION_BITS;
 /// No number.
 const NO_NUMBER: u32 = INFINITE | 1 << (FRACTION_BITS - 1);
 
@@ -210,17 +210,9 @@ fn refine_root(mantissa: u32, doublings: u32, estimate: f32) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::bits::{beside, is_same};
     use super::*;
     use crate::math::random::hash;
-
-    /// `off` units in the last place above `x`.
-    fn beside(x: f32, off: i32) -> f32 {
-        f32::from_bits(x.to_bits().wrapping_add_signed(off))
-    }
-
-    fn is_same(found: f32, expected: f32) -> bool {
-        found.to_bits() == expected.to_bits() || (found.is_nan() && expected.is_nan())
-    }
 
     /// Numbers at whose edges things go wrong.
     fn edges() -> std::vec::Vec<u32> {

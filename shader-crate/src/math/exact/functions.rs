@@ -7,6 +7,7 @@
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
+use super::arithmetic::INFINITE;
 use core::f32::consts::LOG2_E;
 
 /// The upper part of the logarithm of 2: of so few bits that its product with an exponent is exact.
@@ -118,9 +119,6 @@ fn with_sign_of(signed: f32, magnitude: f32) -> f32 {
 fn upper_half(x: f32) -> f32 {
     f32::from_bits(x.to_bits() & !0xfff)
 }
-
-/// The bits of infinity.
-const INFINITE: u32 = 0x7f80_0000;
 
 /// Infinity, as no constant: WGSL has none. `x` may be any number.
 fn infinite(x: f32) -> f32 {

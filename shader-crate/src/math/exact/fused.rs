@@ -58,12 +58,9 @@ fn root(a: f32, estimate: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::bits::{beside, is_same};
     use super::*;
     use crate::math::random::hash;
-
-    fn beside(x: f32, off: i32) -> f32 {
-        f32::from_bits(x.to_bits().wrapping_add_signed(off))
-    }
 
     /// From 1 to 4.
     fn moderate(bits: u32) -> f32 {
@@ -99,11 +96,9 @@ mod tests {
         for k in 0..2_000_000 {
             let [a, b] = [hash(k), hash(!k)].map(f32::from_bits);
             let (found, expected) = (divide_fused(a, b), a / b);
-            let is_same = found.to_bits() == expected.to_bits();
-            assert!(is_same || (found.is_nan() && expected.is_nan()), "{a:e} / {b:e}: {found:e}");
+            assert!(is_same(found, expected), "{a:e} / {b:e}: {found:e}");
             let (found, expected) = (square_root_fused(a), a.sqrt());
-            let is_same = found.to_bits() == expected.to_bits();
-            assert!(is_same || (found.is_nan() && expected.is_nan()), "root of {a:e}: {found:e}");
+            assert!(is_same(found, expected), "root of {a:e}: {found:e}");
         }
     }
 }

@@ -150,3 +150,17 @@ pub fn calculate(lane: u32, _: &CalculateParams, operands: &[Operands], results:
         pad_2: [0; 2],
     };
 }
+
+/// What tests of these functions share.
+#[cfg(test)]
+mod bits {
+    /// `off` units in the last place above `x`.
+    pub fn beside(x: f32, off: i32) -> f32 {
+        f32::from_bits(x.to_bits().wrapping_add_signed(off))
+    }
+
+    /// Whether both are the same number, bit for bit, or neither is one.
+    pub fn is_same(found: f32, expected: f32) -> bool {
+        found.to_bits() == expected.to_bits() || (found.is_nan() && expected.is_nan())
+    }
+}
