@@ -6,6 +6,8 @@ use raystream::exec::gpu::GpuExecutor;
 use raystream::exec::{Executor, Paired};
 use raystream::render::{Estimator, FilterKind, IntegratorKind, Sampling, Settings};
 use raystream::scene::{FilmSize, load_named};
+use raystream_shaders::math::exact::Operands;
+use raystream_shaders::math::random::hash;
 use raystream_tests::{prepare, render_on, with_exact_gpu, with_gpu};
 
 /// Runs a render on the CPU and on an exact device at once.
@@ -20,11 +22,6 @@ fn assert_same(
     let partings: Vec<String> = pair.partings().iter().map(ToString::to_string).collect();
     assert!(partings.is_empty(), "{what}:\n{}", partings.join("\n"));
 }
-
-/// Filters that part in the last place somewhere (docs/EXACT.md has what is left), and one that is
-/// another project's.
-const PARTING: [FilterKind; 4] =
-    [FilterKind::Auto, FilterKind::Learned, FilterKind::Nfor, FilterKind::Oidn];
 
 /// Of `lvc` a real GPU is the same, but Mesa's software ends some light paths elsewhere.
 fn is_known_to_part(gpu: &GpuExecutor, integrator: IntegratorKind) -> bool {
@@ -45,7 +42,8 @@ fn whole_renders_are_the_cpus() {
             let sampling = Sampling { estimator, ..base.sampling };
             (format!("{estimator:?}"), Settings { sampling, ..base })
         });
-        let kinds = FilterKind::ALL.iter().filter(|kind| !PARTING.contains(kind));
+        // Another project's filter does not run in kernels.
+        let kinds = FilterKind::ALL.iter().filter(|&&kind| kind != FilterKind::Oidn);
         let filters =
             kinds.map(|&kind| (format!("{kind:?}"), Settings { denoise: Some(kind), ..base }));
         for (what, settings) in integrators.chain(estimators).chain(filters) {
@@ -62,6 +60,25 @@ fn a_device_with_functions_of_its_own_is_noticed() {
         assert!(arithmetic.check().unwrap_err().contains("does not compute what the CPU does"));
     });
     with_exact_gpu(|gpu| Arithmetic::of(gpu).unwrap().check().unwrap());
+}
+
+/// Far more operands than the check of a device has time for.
+#[test]
+fn functions_of_a_million_operands_are_the_cpus() {
+    with_exact_gpu(|gpu| {
+        for turn in 0..16 {
+            let operands: Vec<_> = (0..1 << 16).map(|k| drawn(turn << 16 | k)).collect();
+            Arithmetic::over(gpu, &operands).unwrap().check().unwrap();
+        }
+    });
+}
+
+/// Operands of all sizes, or such as renders have: from 2^-32 to 2^32.
+fn drawn(k: u32) -> Operands {
+    let usual = |bits: u32| (bits & 0x9fff_ffff) + 0x3000_0000;
+    let [a, b, c] = [0, 1, 2].map(|j| hash(3 * k + j));
+    let [a, b, c] = if k % 4 == 0 { [a, b, c] } else { [a, b, c].map(usual) };
+    Operands { a, b, c, pad: 0 }
 }
 
 /// A pair that differs says where, and goes on from the same start.

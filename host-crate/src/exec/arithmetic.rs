@@ -35,9 +35,16 @@ impl Arithmetic {
     /// # Errors
     /// If it cannot run kernels.
     pub fn of(executor: &impl Executor) -> Result<Self, ExecError> {
-        let operands = operands();
-        let expected = calculate(&CpuExecutor, &operands)?;
-        let found = calculate(executor, &operands)?;
+        Self::over(executor, &operands())
+    }
+
+    /// That of `executor`, by what it makes of these operands.
+    ///
+    /// # Errors
+    /// If it cannot run kernels.
+    pub fn over(executor: &impl Executor, operands: &[Operands]) -> Result<Self, ExecError> {
+        let expected = calculate(&CpuExecutor, operands)?;
+        let found = calculate(executor, operands)?;
         let mut arithmetic = Self { other: None, subnormals: Subnormals::Kept };
         for ((given, expected), found) in operands.iter().zip(&expected).zip(&found) {
             for (name, of) in FUNCTIONS {

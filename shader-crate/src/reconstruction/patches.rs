@@ -35,6 +35,8 @@ pub const SUMS: u32 = TILE_WIDTH * BORDERED_HEIGHT;
 
 /// Differences within this many roundings count as none.
 const RELATIVE_FLOOR: f32 = 1e-6;
+/// The floor of a mean of squares, per sum of the squares of three components.
+const MEAN_FLOOR: f32 = RELATIVE_FLOOR * RELATIVE_FLOOR * (1.0 / 3.0);
 
 device_struct! {
     /// The parameters of kernels that compare patches. 48 bytes.
@@ -158,8 +160,7 @@ fn distance(strength: f32, explained: f32, a: Vec4, b: Vec4) -> f32 {
     let (a_color, b_color) = (a.truncate(), b.truncate());
     let difference = mean_of_squares(a_color - b_color);
     let floor =
-        RELATIVE_FLOOR * RELATIVE_FLOOR * (mean_of_squares(a_color) + mean_of_squares(b_color))
-            + f32::MIN_POSITIVE;
+        MEAN_FLOOR * (a_color.length_squared() + b_color.length_squared()) + f32::MIN_POSITIVE;
     let noise = a.w + b.w;
     let excess = difference - explained * (a.w + a.w.min(b.w));
     if a.w < 0.0 || b.w < 0.0 { 0.0 } else { excess / (strength * noise + floor) }

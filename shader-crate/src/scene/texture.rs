@@ -141,7 +141,7 @@ impl<'a, A: Abilities> TextureView<'a, A> {
             return self.floats(place).min(Vec3::ONE).extend(1.0);
         }
         if self.abilities.has(WIDE_TEXTURES) && format == SHORTS {
-            return self.shorts(place);
+            return self.shorts(place) * (1.0 / LARGEST_SHORT);
         }
         let code = at(self.words, place);
         let channel = |shift: u32| (code >> shift & 0xff) as f32 * (1.0 / 255.0);
@@ -156,6 +156,7 @@ impl<'a, A: Abilities> TextureView<'a, A> {
         )
     }
 
+    /// Four codes of 16 bits.
     fn shorts(&self, place: u32) -> Vec4 {
         let (low, high) = (at(self.words, place), at(self.words, place + 1));
         Vec4::new(
@@ -163,7 +164,7 @@ impl<'a, A: Abilities> TextureView<'a, A> {
             (low >> 16) as f32,
             (high & 0xffff) as f32,
             (high >> 16) as f32,
-        ) * (1.0 / 65_535.0)
+        )
     }
 
     fn decode(&self, srgb: u32) -> f32 {
@@ -171,9 +172,16 @@ impl<'a, A: Abilities> TextureView<'a, A> {
     }
 }
 
-/// The linear value, in [0, 1], of an sRGB code from 0 to 1.
+/// The largest code of 16 bits.
+const LARGEST_SHORT: f32 = 65_535.0;
+
+/// The linear value, in [0, 1], of an sRGB code of 16 bits.
 fn linear(code: f32) -> f32 {
-    if code <= 0.04045 { code * (1.0 / 12.92) } else { pow((code + 0.055) * (1.0 / 1.055), 2.4) }
+    if code <= 0.04045 * LARGEST_SHORT {
+        code * (1.0 / (12.92 * LARGEST_SHORT))
+    } else {
+        pow((code * (1.0 / LARGEST_SHORT) + 0.055) * (1.0 / 1.055), 2.4)
+    }
 }
 
 /// 1 from a half on, below that 0.

@@ -94,7 +94,7 @@ impl Sums {
 
     /// By how much both halves of the pixels differ alike: without noise, and below 0 by chance.
     pub fn structure(&self) -> f32 {
-        let of_means = self.first.dot(self.second) / (3.0 * self.weights() * self.weights());
+        let of_means = dot(self.first, self.second) / (3.0 * self.weights() * self.weights());
         self.numbers.w / self.weights() - of_means
     }
 }

@@ -59,7 +59,8 @@ impl AlbedoView<'_> {
 
 /// Which pair of neighbours `x` in [0, 1] lies between, and where.
 fn cell(x: f32) -> (u32, f32) {
-    let place = x * (SIDE - 1) as f32;
+    // `abs` changes nothing. It keeps the factor from being joined with that of `x`.
+    let place = x.abs() * (SIDE - 1) as f32;
     let lower = (place as u32).min(SIDE - 2);
     (lower, place - lower as f32)
 }

@@ -6,9 +6,8 @@
 //! two terms of [`super::albedo`], a row for two neighbouring cosines; then for each strength the
 //! means over the cosine-weighted hemisphere, a row for two neighbouring roughnesses.
 
-use super::ggx::Ggx;
+use super::ggx::{Ggx, sample_visible};
 use crate::glam::{UVec4, Vec2, Vec3};
-use crate::math::angles::sin_cos_of_turns;
 use crate::math::elementary::pow;
 use crate::memory::access::at;
 use core::f32::consts::FRAC_1_PI;
@@ -74,14 +73,9 @@ impl Anisotropic {
         1.0 / (1.0 + self.lambda(o) + self.lambda(i))
     }
 
-    /// See [`Ggx::sample_visible`].
+    /// See [`sample_visible`](super::ggx::sample_visible).
     pub fn sample_visible(&self, o: Vec3, u: [f32; 2]) -> Vec3 {
-        let stretched = Vec3::new(o.x * self.along, o.y * self.across, o.z).normalize();
-        let (sine, cosine) = sin_cos_of_turns(u[0]);
-        let z = (1.0 - u[1]) * (1.0 + stretched.z) - stretched.z;
-        let radius = (1.0 - z * z).max(0.0).sqrt();
-        let h = Vec3::new(radius * cosine, radius * sine, z) + stretched;
-        Vec3::new(h.x * self.along, h.y * self.across, h.z.max(0.0)).normalize()
+        sample_visible(o, Vec2::new(self.along, self.across), u)
     }
 }
 
@@ -134,7 +128,8 @@ impl AnisotropicAlbedos<'_> {
 
 /// Which pair of neighbours of `count` from 0 to 1 `x` in [0, 1] lies between, and where.
 fn cell(x: f32, count: u32) -> (u32, f32) {
-    let place = x * (count - 1) as f32;
+    // `abs` changes nothing. It keeps the factor from being joined with that of `x`.
+    let place = x.abs() * (count - 1) as f32;
     let lower = (place as u32).min(count - 2);
     (lower, place - lower as f32)
 }

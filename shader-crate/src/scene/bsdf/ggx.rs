@@ -6,7 +6,7 @@
 //!
 //! All vectors here are unit vectors in the frame of the surface, whose normal is +z.
 
-use crate::glam::Vec3;
+use crate::glam::{Vec2, Vec3};
 use crate::math::angles::sin_cos_of_turns;
 use core::f32::consts::FRAC_1_PI;
 #[cfg(target_arch = "spirv")]
@@ -60,15 +60,24 @@ impl Ggx {
         self.masking(o) * self.masking(i)
     }
 
-    /// A normal of a microfacet that is seen from `o`, from a uniform point of the unit square.
-    ///
-    /// Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", CGF 42(8), 2023.
+    /// See [`sample_visible`].
     pub fn sample_visible(&self, o: Vec3, u: [f32; 2]) -> Vec3 {
-        let stretched = Vec3::new(o.x * self.alpha, o.y * self.alpha, o.z).normalize();
-        let (sine, cosine) = sin_cos_of_turns(u[0]);
-        let z = (1.0 - u[1]) * (1.0 + stretched.z) - stretched.z;
-        let radius = (1.0 - z * z).max(0.0).sqrt();
-        let h = Vec3::new(radius * cosine, radius * sine, z) + stretched;
-        Vec3::new(h.x * self.alpha, h.y * self.alpha, h.z.max(0.0)).normalize()
+        sample_visible(o, Vec2::splat(self.alpha), u)
     }
+}
+
+/// A normal of a microfacet that is seen from `o`, unit length and above the surface, where the
+/// microfacets' slopes have the widths `alpha` along both axes; from a uniform point of the unit
+/// square.
+///
+/// Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", CGF 42(8), 2023.
+pub fn sample_visible(o: Vec3, alpha: Vec2, u: [f32; 2]) -> Vec3 {
+    let stretched = Vec3::new(o.x * alpha.x, o.y * alpha.y, o.z).normalize();
+    let (sine, cosine) = sin_cos_of_turns(u[0]);
+    // The point of the cap has this height less `stretched.z`; their sum has this height.
+    let height = (1.0 - u[1]) * (1.0 + stretched.z);
+    let z = height - stretched.z;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (x, y) = (radius * cosine + stretched.x, radius * sine + stretched.y);
+    Vec3::new(x * alpha.x, y * alpha.y, height).normalize()
 }

@@ -65,7 +65,7 @@ impl Light {
             is_delta: true,
             area_pdf: self.pdf,
             cosine: 1.0,
-            emission_pdf: 1.0 / self.cone(),
+            emission_pdf: (1.0 / TAU) / self.edge1.z,
             disc_area: 0.0,
             end: self.corner,
         }
