@@ -77,7 +77,7 @@ fn functions_of_a_million_operands_are_the_cpus() {
 fn drawn(k: u32) -> Operands {
     let usual = |bits: u32| (bits & 0x9fff_ffff) + 0x3000_0000;
     let [a, b, c] = [0, 1, 2].map(|j| hash(3 * k + j));
-    let [a, b, c] = if k % 4 == 0 { [a, b, c] } else { [a, b, c].map(usual) };
+    let [a, b, c] = if k.is_multiple_of(4) { [a, b, c] } else { [a, b, c].map(usual) };
     Operands { a, b, c, pad: 0 }
 }
 

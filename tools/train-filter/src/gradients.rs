@@ -4,6 +4,7 @@ use crate::films::Example;
 use glam::{Vec3, Vec4};
 use raystream_shaders::estimator::bilateral::{Centre, LARGEST_EXPONENT};
 use raystream_shaders::film::tiles::{pixel_of_rank, rank_of_pixel};
+use raystream_shaders::math::dot;
 use raystream_shaders::reconstruction::learned::filter::Contrast;
 use raystream_shaders::reconstruction::learned::network::{
     HIDDEN, INPUTS, LEAK, OUTPUTS, SECOND, THIRD, group, hidden,
@@ -46,7 +47,7 @@ pub fn filter(example: &Example, filter: &PixelFilter, rank: u32) -> Filtered {
         let smooth = Contrast::of(smoothed[rank as usize], smoothed[tap_rank as usize], floor);
         let by_raw = raw.exponent(raw_slope, raw_tolerance);
         let by_smooth = smooth.exponent(smooth_slope, smooth_tolerance);
-        let exponent = features.element_sum() + by_raw + by_smooth;
+        let exponent = dot(features, Vec4::ONE) + by_raw + by_smooth;
         if exponent < LARGEST_EXPONENT {
             let weight = (-exponent).exp();
             color += tap.color * weight;
@@ -133,7 +134,7 @@ fn back<const I: usize, const O: usize>(
         gradients[row] += slope;
         for (input, sum) in by_input.iter_mut().enumerate() {
             gradients[row + 1 + input] += slope * inputs[input];
-            *sum += slope.dot(weights[row + 1 + input]);
+            *sum += dot(slope, weights[row + 1 + input]);
         }
     }
     by_input
