@@ -73,7 +73,7 @@ impl Anisotropic {
         1.0 / (1.0 + self.lambda(o) + self.lambda(i))
     }
 
-    /// See [`sample_visible`](super::ggx::sample_visible).
+    /// See [`sample_visible`].
     pub fn sample_visible(&self, o: Vec3, u: [f32; 2]) -> Vec3 {
         sample_visible(o, Vec2::new(self.along, self.across), u)
     }
