@@ -37,6 +37,7 @@
 //! filters what was written, [`film_file`] keeps a render for later. The kernels themselves are the
 //! crate [`raystream_shaders`].
 
+pub mod clock;
 pub mod color;
 pub mod denoise;
 pub mod exec;

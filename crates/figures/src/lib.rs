@@ -6,6 +6,7 @@ pub mod color_map;
 mod color_scale;
 mod error;
 mod legend;
+#[cfg(feature = "plots")]
 pub mod plot;
 pub mod png_layers;
 mod scale;

@@ -135,8 +135,9 @@ fn deviation(variance: Vec3) -> f32 {
     if variance.is_finite() { (variance.dot(Vec3::ONE) / 3.0).sqrt() } else { 0.0 }
 }
 
-/// Threads that large pictures are cut for; a renderer on the CPU has the others.
-const PAINTERS: usize = 4;
+/// Threads that large pictures are cut for; a renderer on the CPU has the others. A browser's
+/// WebAssembly has one.
+const PAINTERS: usize = if cfg!(target_family = "wasm") { 1 } else { 4 };
 
 /// Applies `paint` to each value, in several threads where there are many. They are none of those
 /// that render: these may be at a batch for a tenth of a second.

@@ -1,6 +1,7 @@
 //! How often the picture is shown, and how small it is while the camera moves.
 
-use std::time::{Duration, Instant};
+use raystream::clock::Instant;
+use std::time::Duration;
 
 /// A picture is shown this often at most.
 const SHORTEST_INTERVAL: Duration = Duration::from_millis(100);

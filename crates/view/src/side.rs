@@ -4,15 +4,16 @@ use crate::choices::Stops;
 use crate::curve::relative_error;
 use crate::news::Status;
 use crate::pace::Shows;
-use raystream::exec::Device;
+use raystream::clock::Instant;
+use raystream::exec::{Device, Executor};
 use raystream::film::Film;
 use raystream::render::{PreparedScene, RenderError, Renderer, Settings, Stop};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// One render.
-pub struct Side {
-    renderer: Renderer,
+pub struct Side<E: Executor = Device> {
+    renderer: Renderer<E>,
     shows: Shows,
     /// How many paths the last round was given, if it was left before its end: the next one goes on
     /// with it.
@@ -21,16 +22,12 @@ pub struct Side {
     stop: Option<Stop>,
 }
 
-impl Side {
+impl<E: Executor> Side<E> {
     /// A render that has not begun.
     ///
     /// # Errors
     /// If the device has no room for it.
-    pub fn new(
-        device: Device,
-        scene: &PreparedScene,
-        settings: &Settings,
-    ) -> Result<Self, RenderError> {
+    pub fn new(device: E, scene: &PreparedScene, settings: &Settings) -> Result<Self, RenderError> {
         Ok(Self {
             renderer: Renderer::new(device, scene, settings)?,
             shows: Shows::new(Instant::now()),
@@ -38,6 +35,11 @@ impl Side {
             time: Duration::ZERO,
             stop: None,
         })
+    }
+
+    /// The render.
+    pub fn renderer(&mut self) -> &mut Renderer<E> {
+        &mut self.renderer
     }
 
     /// Time of rendering so far, without that of showing.

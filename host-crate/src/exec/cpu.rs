@@ -2,9 +2,10 @@
 
 use super::native::{NativeArguments, NativeBinding};
 use super::{ExecError, Executor, Launch, Limits};
+use crate::clock::Instant;
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Runs kernels on the threads of rayon: those of its global pool, one for each core unless you
 /// build it otherwise, or of the pool in which a render is called (`rayon::ThreadPool::install`).

@@ -13,6 +13,23 @@ pub struct RawView<'a, B> {
     pub(super) bytes: u64,
 }
 
+impl<'a, B> RawView<'a, B> {
+    /// The buffer.
+    pub fn buffer(&self) -> &'a B {
+        self.buffer
+    }
+
+    /// Where the part begins.
+    pub fn first_byte(&self) -> u64 {
+        self.first_byte
+    }
+
+    /// How long it is.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
 /// Elements of `T` in a part of a buffer, as a kernel is given them.
 pub struct View<'a, B, T> {
     raw: RawView<'a, B>,
@@ -79,6 +96,22 @@ impl<'a, B> Launch<'a, B> {
     /// The kernel.
     pub fn kernel(&self) -> &'static Kernel {
         self.kernel
+    }
+
+    /// The parameter block: binding 0, a uniform.
+    pub fn parameters(&self) -> &[u8] {
+        &self.parameters
+    }
+
+    /// The other bindings, from number 1 on, in their order.
+    pub fn views(&self) -> &[RawView<'a, B>] {
+        &self.views
+    }
+
+    /// The [abilities](raystream_shaders::scene::abilities) that the kernel is to be compiled for; 0
+    /// without a scene.
+    pub fn abilities(&self) -> u32 {
+        self.scene.abilities
     }
 
     /// Lanes, before they are rounded up to whole workgroups.

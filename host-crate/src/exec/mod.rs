@@ -28,7 +28,7 @@ pub use counting::Counting;
 pub use device::Device;
 pub use kernels::{Access, Binding, Kernel};
 pub use launch::{Launch, RawView, View};
-pub use paired::{Difference, Paired, PairedBuffer, Parting};
+pub use paired::{Difference, Paired, PairedBuffer, Parting, UNORDERED};
 pub use scene_buffers::SceneBuffers;
 
 /// Runs kernels over buffers that it owns.

@@ -1,16 +1,17 @@
 //! Two devices as one, for finding where they part.
 
 use super::{Access, Binding, ExecError, Executor, Kernel, Launch, Limits};
+use crate::clock::Instant;
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// What depends on which lane comes first, by kernel and binding: it differs between two runs of
 /// one device, and nothing but the kernel itself reads it. How many slots lanes have taken when all
 /// were: some more than there were, each of which showed a lane that it is done.
-const UNORDERED: [(&str, &str); 1] = [("regenerate_paths", "taken")];
+pub const UNORDERED: [(&str, &str); 1] = [("regenerate_paths", "taken")];
 
 /// Bytes that are compared at once.
 const PIECE: u64 = 16 << 20;

@@ -5,8 +5,9 @@ use super::renderer::Renderer;
 use super::round::Round;
 use super::run::{Budget, Outcome, Progress, Stop, Watch};
 use super::timings::Timings;
+use crate::clock::Instant;
 use crate::exec::Executor;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// How often rays are counted.
 const RAY_COUNT_INTERVAL: Duration = Duration::from_secs(1);

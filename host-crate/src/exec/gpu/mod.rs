@@ -11,11 +11,12 @@ pub use pipelines::ShaderPath;
 
 use super::arithmetic::Arithmetic;
 use super::{ExecError, Executor, Kernel, Launch, Limits, kernels};
+use crate::clock::Instant;
 use clock::Clock;
 use exact::Rounding;
 use pipelines::{Pipeline, Pipelines};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Bytes that are copied between host and device at once.
 const TRANSFER_BYTES: u64 = 64 << 20;

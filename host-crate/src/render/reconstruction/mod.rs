@@ -36,6 +36,7 @@ use super::round::launches::TimedLaunches;
 use super::settings::estimation::FilterSettings;
 use super::settings::reconstruction::FilterKind;
 use super::timings::{Part, Timings};
+use crate::clock::Instant;
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
@@ -43,7 +44,6 @@ use raystream_shaders::estimator::Estimate;
 use raystream_shaders::estimator::filtered::FilteredPixel;
 use raystream_shaders::estimator::guide::Guide;
 use raystream_shaders::reconstruction::mean::MeanParams;
-use std::time::Instant;
 
 /// Standard deviation, in pixels, of the Gaussian over which the guard averages.
 const GUARD_SIGMA: f32 = 1.0;

@@ -12,13 +12,13 @@ use super::film::WINDOW_ALIGNMENT;
 use super::renderer::Renderer;
 use super::settings::sampling::AllocatorKind;
 use super::timings::{Part, Timings};
+use crate::clock::Instant;
 use crate::exec::{ExecError, Executor};
 use launches::TimedLaunches;
 use plan::RoundPlan;
 use raystream_shaders::math::random::hash;
 use state::DeviceState;
 use std::ops::Range;
-use std::time::Instant;
 
 /// A round under way: the caller takes it from batch to batch, and may look at the clock or tell
 /// of progress in between. A round that is dropped before its end leaves out the samples of the

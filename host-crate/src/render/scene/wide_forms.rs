@@ -2,23 +2,29 @@
 
 use super::bvh::wide::collapse;
 use super::hierarchies::WideSource;
+use crate::clock::Instant;
 use glam::UVec4;
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use raystream_shaders::scene::bvh::wide::{Tree, WideBvh};
 use std::sync::{Arc, OnceLock};
-use std::time::Instant;
 
 /// The forms, and what they are made from.
 pub struct WideForms {
     source: WideSource,
     eight: OnceLock<Option<Arc<Tree<8>>>>,
+    #[cfg(target_arch = "x86_64")]
     sixteen: OnceLock<Option<Arc<Tree<16>>>>,
 }
 
 impl WideForms {
     /// None as yet.
     pub fn of(source: WideSource) -> Self {
-        Self { source, eight: OnceLock::new(), sixteen: OnceLock::new() }
+        Self {
+            source,
+            eight: OnceLock::new(),
+            #[cfg(target_arch = "x86_64")]
+            sixteen: OnceLock::new(),
+        }
     }
 
     /// That for these instructions; `planes` are the rows of all leaf entries. [`None`] of a scene
@@ -37,6 +43,7 @@ impl WideForms {
         self.eight.get_or_init(|| self.collapsed(planes)).clone()
     }
 
+    #[cfg(target_arch = "x86_64")]
     fn sixteen(&self, planes: &[UVec4]) -> Option<Arc<Tree<16>>> {
         self.sixteen.get_or_init(|| self.collapsed(planes)).clone()
     }

@@ -2,11 +2,11 @@
 
 use super::member::Task;
 use super::{FilmTransfer, Team};
+use crate::clock::Instant;
 use crate::exec::ExecError;
 use raystream_shaders::film::sums::PixelSums;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::Instant;
 
 /// Pixels that are handed over at once.
 const PIXELS_AT_ONCE: u32 = 1 << 18;

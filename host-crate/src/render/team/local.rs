@@ -1,6 +1,7 @@
 //! A worker on a device of this process.
 
 use super::Worker;
+use crate::clock::Instant;
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::allocator::{Allocation, RoundBuffers, Stream};
 use crate::render::film::WINDOW_ALIGNMENT;
@@ -15,7 +16,6 @@ use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::{RunWindow, Slot};
 use raystream_shaders::film::sums::{PIXEL_WORDS, PixelSums};
 use std::ops::Range;
-use std::time::Instant;
 
 /// A device that traces for a render on another one.
 pub struct LocalWorker<E: Executor> {

@@ -1,6 +1,7 @@
 //! A worker in a thread of its own.
 
 use super::{FilmTransfer, Peer, Worker};
+use crate::clock::Instant;
 use crate::exec::ExecError;
 use crate::render::allocator::Stream;
 use crate::render::round::batch::BatchSize;
@@ -10,7 +11,7 @@ use raystream_shaders::film::sums::PixelSums;
 use std::ops::Range;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// What a worker is told to do. Each task has one answer, in the same order.
 pub(super) enum Task {

@@ -7,12 +7,12 @@ use super::hand_over::pieces;
 use super::member::{Answer, Task, work};
 use super::message::{Order, Report, read_order, read_report, write_order, write_report};
 use super::{FilmTransfer, Peer, Stream, Worker};
+use crate::clock::Instant;
 use crate::exec::ExecError;
 use raystream_shaders::film::Contribution;
 use raystream_shaders::film::stream::Slot;
 use raystream_shaders::film::sums::PixelSums;
 use std::ops::Range;
-use std::time::Instant;
 
 /// A way to another process, on which messages arrive whole and in order. Both processes are of one
 /// build: bytes are as they lie in memory.

@@ -1,5 +1,9 @@
 //! The filter `oidn`: Open Image Denoise, where it is installed.
 
+#[cfg(any(unix, windows))]
+mod library;
+#[cfg(not(any(unix, windows)))]
+#[path = "no_library.rs"]
 mod library;
 
 pub use library::VARIABLE;

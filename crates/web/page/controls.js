@@ -1,0 +1,125 @@
+// What a person chooses.
+
+import { byId, element } from './elements.js';
+
+const CHOICES = ['width', 'allocator', 'estimator', 'integrator', 'filter', 'samples', 'relative'];
+
+export class Controls {
+  #scenes = [];
+  #layer = 'Beauty';
+  #isPaused = false;
+  onScene = () => {};
+  onChoice = () => {};
+  onLayer = () => {};
+  onPause = () => {};
+  onReset = () => {};
+  onSave = () => {};
+
+  constructor() {
+    byId('scene').addEventListener('change', () => this.onScene());
+    for (const id of CHOICES) {
+      byId(id).addEventListener('change', () => this.onChoice());
+    }
+    byId('exposure').addEventListener('input', () => this.onLayer());
+    byId('pause').addEventListener('click', () => this.#pause());
+    byId('reset').addEventListener('click', () => this.onReset());
+    byId('save').addEventListener('click', () => this.onSave());
+    byId('controls').addEventListener('submit', (event) => event.preventDefault());
+  }
+
+  // Fills the lists with what there is.
+  fill({ scenes, allocators, estimators, integrators, filters, layers, device }) {
+    this.#scenes = scenes;
+    const list = (id, names, chosen) => {
+      byId(id).replaceChildren(...names.map((name) => new Option(name, name, false, name === chosen)));
+    };
+    list('scene', scenes.map(({ name }) => name));
+    list('allocator', allocators, 'runs');
+    list('estimator', estimators, 'bilateral');
+    list('integrator', integrators, 'auto');
+    list('filter', filters);
+    byId('filter').prepend(new Option('none', '', true, true));
+    byId('layers').replaceChildren(...layers.map((name, index) => {
+      const title = `${name} (key ${index + 1})`;
+      const button = element('button', { type: 'button', title, 'data-layer': name }, name);
+      button.addEventListener('click', () => this.setLayer(name));
+      return button;
+    }));
+    this.#press();
+    byId('device').textContent = `Rendered by ${device}, in WebAssembly.`;
+  }
+
+  scene() {
+    return byId('scene').value;
+  }
+
+  layer() {
+    return this.#layer;
+  }
+
+  exposure() {
+    return Number(byId('exposure').value);
+  }
+
+  choices() {
+    const value = (id) => byId(id).value;
+    return {
+      width: Number(value('width')),
+      allocator: value('allocator'),
+      estimator: value('estimator'),
+      integrator: value('integrator'),
+      filter: value('filter') || null,
+      relative: byId('relative').checked,
+      samples: value('samples') ? Number(value('samples')) : null,
+      seed: 0,
+    };
+  }
+
+  setLayer(name) {
+    this.#layer = name;
+    if (name === 'Denoised' && !byId('filter').value) {
+      byId('filter').value = 'auto';
+      this.onChoice();
+    }
+    this.#press();
+    this.onLayer();
+  }
+
+  setOpening() {
+    byId('scene-note').textContent = 'Loading the scene';
+  }
+
+  setScene({ name, triangles, warnings }) {
+    const known = this.#scenes.find((scene) => scene.name === this.scene());
+    const what = known ? `${known.description}. ` : `${name}. `;
+    const count = `${triangles.toLocaleString('en')} triangles. `;
+    byId('scene-note').textContent = what + count + warnings.join(' ');
+  }
+
+  // A key that was pressed on the picture. Returns whether it is one of ours.
+  key(key) {
+    const button = byId('layers').children[Number(key) - 1];
+    if (button) {
+      this.setLayer(button.dataset.layer);
+    } else if (key === ' ') {
+      this.#pause();
+    } else if (key.toLowerCase() === 'r') {
+      this.onReset();
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  #pause() {
+    this.#isPaused = !this.#isPaused;
+    byId('pause').textContent = this.#isPaused ? 'Go on' : 'Pause';
+    this.onPause(this.#isPaused);
+  }
+
+  #press() {
+    for (const button of byId('layers').children) {
+      button.setAttribute('aria-pressed', String(button.dataset.layer === this.#layer));
+    }
+  }
+}

@@ -1,0 +1,105 @@
+// The page: what is chosen goes to the worker, what the worker makes is shown.
+
+import { Controls } from './controls.js';
+import { Curve } from './curve.js';
+import { Hands } from './hands.js';
+import { byId, problem } from './elements.js';
+import { Picture } from './picture.js';
+
+// Milliseconds without a movement after which the camera is at rest.
+const REST = 250;
+
+const worker = new Worker('worker.js', { type: 'module' });
+const picture = new Picture();
+const curve = new Curve();
+const controls = new Controls();
+// Which order a picture follows: those of orders before are not shown.
+let number = 0;
+let isMoving = false;
+let resting;
+let pixel = null;
+
+function order(message) {
+  number += 1;
+  worker.postMessage({ number, ...message });
+}
+
+function move(motion) {
+  isMoving = true;
+  order({ kind: 'move', motion });
+  clearTimeout(resting);
+  resting = setTimeout(rest, REST);
+}
+
+function rest() {
+  isMoving = false;
+  curve.clear();
+  order({ kind: 'rest' });
+}
+
+function open(files) {
+  controls.setOpening();
+  curve.clear();
+  order({ kind: 'open', scene: controls.scene(), choices: controls.choices(), files });
+}
+
+function choose() {
+  curve.clear();
+  order({ kind: 'choose', choices: controls.choices() });
+}
+
+function show() {
+  worker.postMessage({ kind: 'show', layer: controls.layer(), exposure: controls.exposure() });
+}
+
+function inspect() {
+  if (pixel) {
+    worker.postMessage({ kind: 'inspect', x: pixel[0], y: pixel[1] });
+  }
+}
+
+const told = {
+  known(known) {
+    controls.fill(known);
+    open();
+  },
+  scene(facts) {
+    controls.setScene(facts);
+  },
+  picture(shown) {
+    if (shown.number !== number) {
+      return;
+    }
+    problem(null);
+    picture.show(shown);
+    document.documentElement.dataset.samples = shown.samples;
+    if (!isMoving && !shown.moving) {
+      curve.add(shown);
+      inspect();
+    }
+  },
+  pixel({ rows }) {
+    picture.showPixel(rows);
+  },
+  problem({ message }) {
+    problem(message);
+  },
+};
+
+worker.addEventListener('message', ({ data }) => told[data.kind]?.(data));
+worker.addEventListener('error', (event) => problem(event.message || 'the worker has failed'));
+
+controls.onScene = () => open();
+controls.onChoice = choose;
+controls.onLayer = show;
+controls.onPause = (paused) => worker.postMessage({ kind: 'pause', paused });
+controls.onReset = () => move({ reset: true });
+controls.onSave = () => picture.save(controls.scene());
+new Hands(byId('picture'), {
+  move,
+  pick: (place) => {
+    pixel = picture.pixel(place);
+    inspect();
+  },
+  key: (key) => controls.key(key),
+});

@@ -1,0 +1,140 @@
+// The worker that renders: it does what the page tells it, and renders when it is told nothing.
+
+import { Engine } from './engine.js';
+
+// Milliseconds of rendering between two looks at what the page says.
+const TURN = 50;
+// Milliseconds between two pictures; the first come sooner.
+const INTERVAL = 200;
+
+const waiting = [];
+let wake = () => {};
+let engine;
+const shown = { layer: 'Beauty', exposure: 0 };
+let isOpen = false;
+let isPaused = false;
+let hasMore = false;
+let number = 0;
+let first = 0;
+let last = 0;
+
+addEventListener('message', ({ data }) => {
+  waiting.push(data);
+  wake();
+});
+
+// Lets messages in.
+const breathe = () => new Promise((resolve) => {
+  const { port1, port2 } = new MessageChannel();
+  port1.onmessage = () => {
+    port1.close();
+    resolve();
+  };
+  port2.postMessage(null);
+});
+
+async function paint() {
+  const picture = await engine.ask({ ask: 'paint', ...shown });
+  const pixels = engine.pixels(picture.size);
+  last = performance.now();
+  postMessage({ kind: 'picture', number, layer: shown.layer, ...picture, pixels }, [pixels.buffer]);
+}
+
+function begin(to) {
+  number = to;
+  hasMore = true;
+  first = performance.now();
+  last = 0;
+}
+
+const does = {
+  async open({ scene, choices, files, number }) {
+    isOpen = false;
+    engine.setFiles(files ?? []);
+    const facts = await engine.ask({ ask: 'open', scene, choices });
+    isOpen = true;
+    begin(number);
+    postMessage({ kind: 'scene', ...facts });
+  },
+  async choose({ choices, number }) {
+    await engine.ask({ ask: 'choose', choices });
+    begin(number);
+  },
+  async move({ motion, number }) {
+    await engine.ask({ ask: 'move', ...motion });
+    begin(number);
+  },
+  async rest({ number }) {
+    await engine.ask({ ask: 'rest' });
+    begin(number);
+  },
+  async show({ layer, exposure }) {
+    Object.assign(shown, { layer, exposure });
+    if (isOpen && last > 0) {
+      await paint();
+    }
+  },
+  async pause({ paused }) {
+    isPaused = paused;
+  },
+  async inspect({ x, y }) {
+    postMessage({ kind: 'pixel', rows: await engine.ask({ ask: 'inspect', x, y }) });
+  },
+  // Any other question, for an answer.
+  async ask({ question, id }) {
+    postMessage({ kind: 'answer', id, answer: await engine.ask(question) });
+  },
+};
+
+// Movements that wait are one movement.
+function joined(message) {
+  while (message.kind === 'move' && waiting[0]?.kind === 'move') {
+    const { motion, number } = waiting.shift();
+    const sum = (key) => [0, 1].map((i) => (message.motion[key]?.[i] ?? 0) + (motion[key]?.[i] ?? 0));
+    const zoom = (message.motion.zoom ?? 1) * (motion.zoom ?? 1);
+    const reset = Boolean(message.motion.reset || motion.reset);
+    message = { kind: 'move', number, motion: { orbit: sum('orbit'), pan: sum('pan'), zoom, reset } };
+  }
+  return message;
+}
+
+async function render() {
+  const { more } = await engine.ask({ ask: 'render', milliseconds: last === 0 ? 1 : TURN });
+  hasMore = more;
+  const now = performance.now();
+  const interval = now - first < 2000 ? INTERVAL / 2 : INTERVAL;
+  if (!more || now - last >= interval) {
+    await paint();
+  }
+}
+
+async function turn() {
+  if (waiting.length > 0) {
+    const message = joined(waiting.shift());
+    if (isOpen || ['open', 'show', 'pause', 'ask'].includes(message.kind)) {
+      await does[message.kind](message);
+    }
+  } else if (isOpen && hasMore && !isPaused) {
+    await render();
+    await breathe();
+  } else {
+    await new Promise((resolve) => {
+      wake = resolve;
+    });
+  }
+}
+
+async function run() {
+  engine = await Engine.load('raystream.wasm');
+  postMessage({ kind: 'known', ...await engine.ask({ ask: 'known' }) });
+  for (;;) {
+    try {
+      await turn();
+    } catch (error) {
+      hasMore = false;
+      postMessage({ kind: 'problem', message: error.message });
+    }
+  }
+}
+
+run().catch((error) => postMessage({ kind: 'problem', message: error.message }));

@@ -1,0 +1,91 @@
+//! What a device computes in a render's rounds, kernel by kernel, as digests: two devices with the
+//! same ones have the same bytes.
+
+use crate::recording::{Recording, Step};
+use raystream::exec::{Executor, UNORDERED};
+use raystream::render::{AllocatorKind, Estimator};
+use raystream::render::{
+    BvhQuality, IntegratorKind, PreparedScene, RenderError, Renderer, Sampling, Settings,
+};
+use raystream::scene::{FilmSize, Scene};
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+
+/// What one launch wrote to one of its bindings.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Digest {
+    /// The settings of the render: integrator and allocator.
+    pub render: String,
+    /// The kernel.
+    pub kernel: &'static str,
+    /// Which of the render's launches it was, from 1 on.
+    pub launch: usize,
+    /// The binding.
+    pub binding: &'static str,
+    /// SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+/// Rounds of each render: two without looking at errors, and then adaptive ones.
+const ROUNDS: usize = 4;
+
+/// The digests of small renders of `scene`: of the integrators and allocators that share no kernels,
+/// all that each kernel wrote.
+///
+/// # Errors
+/// If the scene cannot be rendered, or the device fails.
+pub fn digests<E: Executor>(executor: &E, scene: &Scene) -> Result<Vec<Digest>, RenderError> {
+    use IntegratorKind::{Compaction, Lvc, Megakernel, Regeneration, Streaming};
+    let mut all = Vec::new();
+    let scene_with = PreparedScene::new(scene, BvhQuality::Fast)?;
+    for (integrator, allocator, estimator) in [
+        (Megakernel, AllocatorKind::Runs, Estimator::Bilateral),
+        (Compaction, AllocatorKind::Paper, Estimator::Halves),
+        (Regeneration, AllocatorKind::Uniform, Estimator::Bilateral),
+        (Streaming, AllocatorKind::Runs, Estimator::Halves),
+        (Lvc, AllocatorKind::Runs, Estimator::Bilateral),
+    ] {
+        let settings = Settings {
+            size: FilmSize { width: 20, height: 12 },
+            sampling: Sampling { allocator, estimator, ..Sampling::default() },
+            integrator,
+            stream_slots: Some(1024),
+            ..Settings::for_scene(scene)
+        };
+        let render = format!("{integrator}, {allocator}, {estimator}");
+        let recording = Recording::new(executor);
+        render_rounds(&recording, &scene_with, &settings)?;
+        let steps = recording.take();
+        all.extend((1..).zip(&steps).flat_map(|(launch, step)| of_step(&render, launch, step)));
+    }
+    Ok(all)
+}
+
+fn render_rounds<E: Executor>(
+    executor: E,
+    scene: &PreparedScene,
+    settings: &Settings,
+) -> Result<(), RenderError> {
+    let mut renderer = Renderer::new(executor, scene, settings)?;
+    for _ in 0..ROUNDS {
+        renderer.step(u64::from(renderer.pixels()) * 4)?;
+    }
+    renderer.film()?;
+    Ok(())
+}
+
+fn of_step<'s>(
+    render: &'s str,
+    launch: usize,
+    step: &'s Step,
+) -> impl Iterator<Item = Digest> + 's {
+    let name = step.kernel.name;
+    let ordered = step.written.iter().filter(move |to| !UNORDERED.contains(&(name, to.name)));
+    ordered.map(move |written| Digest {
+        render: render.to_owned(),
+        kernel: name,
+        launch,
+        binding: written.name,
+        sha256: Sha256::digest(&written.bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+    })
+}

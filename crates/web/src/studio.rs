@@ -1,0 +1,173 @@
+//! Who answers the page's questions.
+
+use crate::ask::{Chosen, Motion, Question};
+use crate::digests::digests;
+use crate::page::Page;
+use raystream::exec::Executor;
+use raystream::image::Display;
+use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind};
+use raystream::scene::{self, LoadOptions, Scene, SceneGeometry};
+use raystream_view::inspect::progress;
+use raystream_view::layers::Layer;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// The device, the files that were given, and the page.
+pub struct Studio<E: Executor + Clone> {
+    executor: E,
+    files: BTreeMap<PathBuf, Vec<u8>>,
+    page: Option<Page<E>>,
+    pixels: Vec<u8>,
+}
+
+type Answer = Result<Value, Box<dyn Error>>;
+
+impl<E: Executor + Clone> Studio<E> {
+    /// An empty page.
+    pub fn new(executor: E) -> Self {
+        Self { executor, files: BTreeMap::new(), page: None, pixels: Vec::new() }
+    }
+
+    /// Keeps a file, for a scene that is opened later.
+    pub fn add_file(&mut self, name: &str, bytes: Vec<u8>) {
+        self.files.insert(PathBuf::from(name), bytes);
+    }
+
+    /// Forgets all files.
+    pub fn clear_files(&mut self) {
+        self.files.clear();
+    }
+
+    /// The pixels that were painted last: red, green, blue and 255 of each.
+    pub fn pixels(&self) -> &[u8] {
+        &self.pixels
+    }
+
+    /// The answer to a question.
+    pub fn answer(&mut self, question: &str) -> String {
+        let answer = serde_json::from_str(question)
+            .map_err(Into::into)
+            .and_then(|question| self.answer_to(question));
+        answer.unwrap_or_else(|error| json!({ "error": error.to_string() })).to_string()
+    }
+
+    fn answer_to(&mut self, question: Question) -> Answer {
+        match question {
+            Question::Known => Ok(known(self.executor.name())),
+            Question::Open { scene, choices } => self.open(&scene, &choices),
+            Question::Choose { choices } => {
+                let page = self.page()?;
+                let size = choices.size(page.facts().size)?;
+                page.choose(size, choices.choices()?, choices.stops())?;
+                Ok(json!({}))
+            }
+            Question::Move(motion) => self.move_camera(&motion),
+            Question::Rest => {
+                self.page()?.rest()?;
+                Ok(json!({}))
+            }
+            Question::Render { milliseconds } => {
+                let page = self.page()?;
+                let more = page.render(Duration::from_millis(milliseconds.into()))?;
+                Ok(json!({ "more": more, "moving": page.is_moving() }))
+            }
+            Question::Paint { layer, exposure } => self.paint(&layer, exposure),
+            Question::Inspect { x, y } => Ok(json!(self.page()?.inspect([x, y]))),
+            Question::Digests { scene } => {
+                let scene = LoadOptions::default().load_named(&scene)?;
+                Ok(json!(digests(&self.executor, &scene)?))
+            }
+        }
+    }
+
+    fn page(&mut self) -> Result<&mut Page<E>, &'static str> {
+        self.page.as_mut().ok_or("no scene is open")
+    }
+
+    fn load(&self, name: &str) -> Result<Scene, Box<dyn Error>> {
+        let options = LoadOptions::default();
+        let is_file = self.files.contains_key(Path::new(name));
+        let scene = if is_file {
+            options.load_files(&self.files, Path::new(name))?
+        } else {
+            options.load_named(name)?
+        };
+        Ok(scene)
+    }
+
+    fn open(&mut self, name: &str, chosen: &Chosen) -> Answer {
+        let scene = self.load(name)?;
+        let (size, choices) = (chosen.size(scene.film)?, chosen.choices()?);
+        let page = Page::new(self.executor.clone(), &scene, size, choices, chosen.stops())?;
+        let facts = page.facts();
+        let answer = json!({
+            "name": facts.name,
+            "triangles": facts.triangles,
+            "size": [facts.size.width, facts.size.height],
+            "warnings": facts.warnings,
+        });
+        self.page = Some(page);
+        Ok(answer)
+    }
+
+    fn move_camera(&mut self, motion: &Motion) -> Answer {
+        let page = self.page()?;
+        if motion.reset {
+            page.reset_camera()?;
+        }
+        page.navigate(|navigator| {
+            navigator.orbit(motion.orbit[0], motion.orbit[1]);
+            navigator.pan(motion.pan[0], motion.pan[1]);
+            if let Some(factor) = motion.zoom {
+                navigator.zoom(factor);
+            }
+        })?;
+        Ok(json!({}))
+    }
+
+    fn paint(&mut self, layer: &str, exposure: f32) -> Answer {
+        let layer = Layer::named(layer).ok_or_else(|| format!("there is no layer '{layer}'"))?;
+        let page = self.page.as_mut().ok_or("no scene is open")?;
+        let status = page.look(layer.wants_all())?;
+        let display = Display { exposure, ..Display::default() };
+        let painted = page.paint(layer, &display).or_else(|| page.paint(Layer::Beauty, &display));
+        let painted = painted.ok_or("there is no picture yet")?;
+        self.pixels = painted.rgba;
+        Ok(json!({
+            "size": painted.size,
+            "title": painted.title,
+            "ticks": painted.ticks,
+            "colors": painted.colors,
+            "progress": progress(&status),
+            "samples": status.samples,
+            "rays": status.rays,
+            "seconds": status.time.as_secs_f64(),
+            "relative_error": status.error,
+            "done": status.stop.is_some(),
+            "moving": page.is_moving(),
+        }))
+    }
+}
+
+/// What can be chosen.
+fn known(device: &str) -> Value {
+    fn names<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str) -> Vec<&'static str> {
+        all.iter().map(|&value| name(value)).collect()
+    }
+    let scenes = scene::shipped().iter().filter(|s| s.geometry == SceneGeometry::BuiltIn);
+    // A browser has no libraries to load.
+    let filters = FilterKind::ALL.iter().filter(|&&filter| filter != FilterKind::Oidn);
+    json!({
+        "device": device,
+        "scenes": scenes.map(|s| json!({ "name": s.name, "description": s.description }))
+            .collect::<Vec<_>>(),
+        "allocators": names(AllocatorKind::ALL, AllocatorKind::name),
+        "estimators": names(Estimator::ALL, Estimator::name),
+        "integrators": names(IntegratorKind::ALL, IntegratorKind::name),
+        "filters": filters.map(|filter| filter.name()).collect::<Vec<_>>(),
+        "layers": names(&Layer::ALL, Layer::name),
+    })
+}
