@@ -10,7 +10,7 @@ export class Engine {
     this.#exports = exports;
   }
 
-  // Loads the library from an address.
+  // Loads the library from an address, where it is as gzip.
   static async load(address) {
     const state = { memory: null };
     const text = (first, bytes) => decoder.decode(new Uint8Array(state.memory.buffer, first, bytes));
@@ -25,7 +25,13 @@ export class Engine {
         },
       },
     };
-    const { instance } = await WebAssembly.instantiateStreaming(fetch(address), imports);
+    const file = await fetch(address);
+    if (!file.ok) {
+      throw new Error(`${address} cannot be loaded: ${file.status}`);
+    }
+    const module = file.body.pipeThrough(new DecompressionStream('gzip'));
+    const response = new Response(module, { headers: { 'Content-Type': 'application/wasm' } });
+    const { instance } = await WebAssembly.instantiateStreaming(response, imports);
     state.memory = instance.exports.memory;
     return new Engine(instance.exports);
   }

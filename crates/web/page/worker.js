@@ -125,7 +125,7 @@ async function turn() {
 }
 
 async function run() {
-  engine = await Engine.load('raystream.wasm');
+  engine = await Engine.load('raystream.wasm.gz');
   postMessage({ kind: 'known', ...await engine.ask({ ask: 'known' }) });
   for (;;) {
     try {

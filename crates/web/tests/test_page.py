@@ -135,8 +135,6 @@ def test_a_narrow_screen_needs_no_scrolling_to_the_side(visit):
     page.wait_for_samples(2)
     assert not page.is_wider_than_the_screen()
     page.screenshot("narrow")
-    page.tab.locator("#view-method").click()
-    assert not page.is_wider_than_the_screen()
 
 
 def test_a_page_in_a_dark_room_is_dark(visit):

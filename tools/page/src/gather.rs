@@ -1,8 +1,12 @@
 //! Puts the page's files together.
 
+use crate::sections::without_custom;
 use crate::wasm::root;
 use anyhow::{Context, Result};
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 
 /// Where the page's own files are.
@@ -21,7 +25,18 @@ pub fn write(library: &Path, folder: &Path) -> Result<u64> {
         let entry = entry.with_context(|| format!("cannot read {}", own.display()))?;
         bytes += copy(&entry.path(), &folder.join(entry.file_name()))?;
     }
-    Ok(bytes + copy(library, &folder.join("raystream.wasm"))?)
+    Ok(bytes + compress(library, &folder.join("raystream.wasm.gz"))?)
+}
+
+/// Writes the library as gzip, which the page takes apart: so it is small from every server.
+fn compress(library: &Path, to: &Path) -> Result<u64> {
+    let module =
+        fs::read(library).with_context(|| format!("cannot read {}", library.display()))?;
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(&without_custom(&module)?).context("cannot compress the library")?;
+    let bytes = encoder.finish().context("cannot compress the library")?;
+    fs::write(to, &bytes).with_context(|| format!("cannot write {}", to.display()))?;
+    Ok(bytes.len() as u64)
 }
 
 fn copy(from: &Path, to: &Path) -> Result<u64> {

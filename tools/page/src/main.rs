@@ -2,6 +2,7 @@
 //! serves the folder to browsers on this machine.
 
 mod gather;
+mod sections;
 mod server;
 mod wasm;
 
@@ -12,8 +13,7 @@ use std::process::ExitCode;
 
 /// Build the page that renders in a browser, and serve it on this machine.
 ///
-/// The page is a folder of static files: any web server can serve them, as long as it calls
-/// `raystream.wasm` by its type, `application/wasm`.
+/// The page is a folder of static files, which any web server can serve.
 #[derive(Parser)]
 #[command(name = "cargo page")]
 struct Arguments {

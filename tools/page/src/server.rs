@@ -85,8 +85,7 @@ fn kind(path: &Path) -> &'static str {
         Some("css") => "text/css; charset=utf-8",
         Some("js") => "text/javascript; charset=utf-8",
         Some("json") => "application/json",
-        Some("wasm") => "application/wasm",
-        Some("wgsl") => "text/plain; charset=utf-8",
+        Some("gz") => "application/gzip",
         _ => "application/octet-stream",
     }
 }
@@ -98,7 +97,7 @@ mod tests {
     fn site() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("index.html"), "<p>it</p>").unwrap();
-        fs::write(folder.path().join("a.wasm"), "asm").unwrap();
+        fs::write(folder.path().join("a.gz"), "asm").unwrap();
         folder
     }
 
@@ -108,7 +107,7 @@ mod tests {
         let get = |target: &str| respond(&format!("GET {target} HTTP/1.1"), site.path());
         assert_eq!(get("/").0, "200 OK");
         assert_eq!(get("/?x=1"), get("/index.html"));
-        assert_eq!(get("/a.wasm"), ("200 OK", "application/wasm", b"asm".to_vec()));
+        assert_eq!(get("/a.gz"), ("200 OK", "application/gzip", b"asm".to_vec()));
     }
 
     #[test]
@@ -118,7 +117,7 @@ mod tests {
         fs::create_dir(&folder).unwrap();
         let inside = folder.join("index.html");
         fs::write(&inside, "in").unwrap();
-        for target in ["/../a.wasm", "/x/../../a.wasm", "//etc/passwd", "a.wasm", "", "/no"] {
+        for target in ["/../a.gz", "/x/../../a.gz", "//etc/passwd", "a.gz", "", "/no"] {
             let (status, ..) = respond(&format!("GET {target} HTTP/1.1"), &folder);
             assert_eq!(status, "404 Not Found", "{target}");
         }

@@ -7,6 +7,7 @@ pub const VARIABLE: &str = "RAYSTREAM_OIDN";
 pub enum Oidn2 {}
 
 /// A picture's images, each of as many pixels of three components.
+#[expect(dead_code, reason = "nobody can have a library that reads them")]
 pub struct Images<'a> {
     pub width: u32,
     pub height: u32,
