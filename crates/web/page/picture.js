@@ -43,7 +43,7 @@ export function paint(canvas, width, height, pixels) {
   if (canvas.width !== width || canvas.height !== height) {
     [canvas.width, canvas.height] = [width, height];
   }
-  canvas.getContext('2d').putImageData(new ImageData(pixels, width, height), 0, 0);
+  canvas.getContext('2d', { willReadFrequently: true }).putImageData(new ImageData(pixels, width, height), 0, 0);
 }
 
 // Shows which colours stand for which numbers; hides the place where there are none.

@@ -3,6 +3,7 @@
 
 use crate::recording::{Recording, Step};
 use raystream::exec::{Executor, UNORDERED};
+use raystream::film_file::scene_digest;
 use raystream::render::{AllocatorKind, Estimator};
 use raystream::render::{
     BvhQuality, IntegratorKind, PreparedScene, RenderError, Renderer, Sampling, Settings,
@@ -26,6 +27,17 @@ pub struct Digest {
     pub sha256: String,
 }
 
+/// What a device computes of a scene.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Digests {
+    /// SHA-256 of all that the device knows of the scene. The host has prepared it, of skies by
+    /// functions of the system's, whose last bits are not everywhere the same: only of scenes with
+    /// the same digest do all devices compute the same.
+    pub scene: String,
+    /// What was written, in the order of the launches.
+    pub written: Vec<Digest>,
+}
+
 /// Rounds of each render: two without looking at errors, and then adaptive ones.
 const ROUNDS: usize = 4;
 
@@ -34,7 +46,7 @@ const ROUNDS: usize = 4;
 ///
 /// # Errors
 /// If the scene cannot be rendered, or the device fails.
-pub fn digests<E: Executor>(executor: &E, scene: &Scene) -> Result<Vec<Digest>, RenderError> {
+pub fn digests<E: Executor>(executor: &E, scene: &Scene) -> Result<Digests, RenderError> {
     use IntegratorKind::{Compaction, Lvc, Megakernel, Regeneration, Streaming};
     let mut all = Vec::new();
     let scene_with = PreparedScene::new(scene, BvhQuality::Fast)?;
@@ -58,7 +70,7 @@ pub fn digests<E: Executor>(executor: &E, scene: &Scene) -> Result<Vec<Digest>, 
         let steps = recording.take();
         all.extend((1..).zip(&steps).flat_map(|(launch, step)| of_step(&render, launch, step)));
     }
-    Ok(all)
+    Ok(Digests { scene: scene_digest(&scene_with), written: all })
 }
 
 fn render_rounds<E: Executor>(

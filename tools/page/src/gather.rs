@@ -30,8 +30,7 @@ pub fn write(library: &Path, folder: &Path) -> Result<u64> {
 
 /// Writes the library as gzip, which the page takes apart: so it is small from every server.
 fn compress(library: &Path, to: &Path) -> Result<u64> {
-    let module =
-        fs::read(library).with_context(|| format!("cannot read {}", library.display()))?;
+    let module = fs::read(library).with_context(|| format!("cannot read {}", library.display()))?;
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(&without_custom(&module)?).context("cannot compress the library")?;
     let bytes = encoder.finish().context("cannot compress the library")?;

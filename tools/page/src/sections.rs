@@ -57,7 +57,8 @@ mod tests {
 
     #[test]
     fn what_is_no_module_is_an_error() {
-        for wrong in [&b"no"[..], &module(&[&[1, 2, 8]]), &module(&[&[1]]), &module(&[&[1, 0xff]])] {
+        for wrong in [&b"no"[..], &module(&[&[1, 2, 8]]), &module(&[&[1]]), &module(&[&[1, 0xff]])]
+        {
             assert!(without_custom(wrong).is_err(), "{wrong:?}");
         }
     }

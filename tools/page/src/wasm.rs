@@ -63,7 +63,11 @@ fn linker() -> Result<PathBuf> {
     let host = version.lines().find_map(|line| line.strip_prefix("host: "));
     let host = host.context("rustc -vV names no host")?;
     let name = format!("rust-lld{}", env::consts::EXE_SUFFIX);
-    Ok(Path::new(&rustc(&["--print", "sysroot"])?).join("lib/rustlib").join(host).join("bin").join(name))
+    Ok(Path::new(&rustc(&["--print", "sysroot"])?)
+        .join("lib/rustlib")
+        .join(host)
+        .join("bin")
+        .join(name))
 }
 
 /// What the usual `rustc` prints.
