@@ -14,6 +14,7 @@ pub mod gltf;
 pub mod histogram;
 pub mod large_scenes;
 pub mod materials;
+pub mod meshopt;
 pub mod renders;
 pub mod scene_folder;
 pub mod scenes;
