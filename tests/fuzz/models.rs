@@ -5,7 +5,7 @@ use image::codecs::hdr::HdrEncoder;
 use raystream::render::{BvhQuality, PreparedScene};
 use raystream::scene::LoadOptions;
 use raystream_tests::gltf::{F32, Gltf, I8, I16, U8};
-use raystream_tests::meshopt;
+use raystream_tests::{draco, meshopt};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -110,6 +110,8 @@ fn gltf_files_by_chance() {
     let (plain, bent) = (Gltf::triangle(), bent());
     filtered().scene();
     let seeds = vec![plain.glb(), bent.glb(), meshopt::compressed().glb(), filtered().glb()];
+    let draco = [0, 7, 10].map(|level| draco::compressed(level, Some(11)).glb());
+    let seeds = [seeds, draco.to_vec()].concat();
     fuzz("gltf", seeds, words, as_it_is, |bytes| load("a.glb", bytes));
     let mut text = plain;
     let bytes: String = text.binary.iter().map(|byte| format!("%{byte:02x}")).collect();

@@ -14,6 +14,8 @@ pub const I16: u32 = 5122;
 /// See [`U8`].
 pub const U16: u32 = 5123;
 /// See [`U8`].
+pub const U32: u32 = 5125;
+/// See [`U8`].
 pub const F32: u32 = 5126;
 
 /// A glTF as it is made: JSON to change at will, and its one buffer.

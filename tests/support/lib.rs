@@ -8,6 +8,7 @@
 
 pub mod cameras;
 pub mod devices;
+pub mod draco;
 pub mod executors;
 pub mod fuzz;
 pub mod gltf;
