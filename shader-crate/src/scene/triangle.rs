@@ -80,7 +80,7 @@ device_struct! {
         /// Texture coordinate v at corner 2.
         pub v2: f32,
         /// The direction of growing `u` along the triangle, see [`crate::math::packed`], or
-        /// [`NO_TANGENT`](crate::math::packed::NO_TANGENT).
+        /// [`NO_TANGENT`].
         pub tangent: u32,
     }
 }
@@ -90,7 +90,7 @@ device_struct! {
     /// takes the place of [`Attributes::tangent`]. 16 bytes.
     pub struct Tangents {
         /// Packed, see [`crate::math::packed`]; all three are
-        /// [`NO_TANGENT`](crate::math::packed::NO_TANGENT) where the triangle's own counts.
+        /// [`NO_TANGENT`] where the triangle's own counts.
         pub corners: [u32; 3],
         /// Unused; zero.
         pub pad: u32,
