@@ -1,8 +1,8 @@
 """Raystream's principled material as a plugin for Mitsuba 3, written from its documentation.
 
 Mitsuba's own distribution of microfacets and its Fresnel terms serve here, and how much light one
-microfacet sends on is found by integrating them: nothing is taken from Raystream but the formulas
-that its documentation names. A variant must be set before this is imported.
+microfacet sends on is found by integrating them: it shares formulas with Raystream, but no code and
+no table. A variant must be set before this is imported.
 """
 
 import drjit as dr
