@@ -8,6 +8,9 @@ Each renderer makes --renders independent pictures of --samples samples a pixel.
 each case, by how much the means of the pictures differ, and the largest difference of any block of
 8x6 pixels in any colour component, in standard errors of that difference. Of some hundred such
 numbers the largest is about 3 where both have one expectation.
+
+The cases "as described" have Raystream's materials in both: mitsuba_materials.py is written from
+what the documentation says of them.
 """
 
 import argparse
@@ -73,6 +76,10 @@ class Case:
         self.lamp = None
         self.floor, self.floor_mi = GREY, GREY_MI
 
+    def lights(self):
+        """What lights it, for both."""
+        return self.light, self.light_mi
+
 
 def rgb(*values):
     values = values * 3 if len(values) == 1 else values
@@ -105,6 +112,23 @@ def cases(mi, folder):
     found["smooth dielectric"] = Case(
         {"type": "dielectric", "ior": 1.5},
         {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}, SKY, SKY_MI)
+    # Where little light is lost to several reflections.
+    gold = [1.0, 0.77, 0.34]
+    found["principled: metallic 0.2"] = Case(
+        {"type": "principled", "reflectance": gold, "metallic": 1, "roughness": 0.2},
+        {"type": "principled", "base_color": rgb(*gold), "metallic": 1.0, "roughness": 0.2},
+        SKY, SKY_MI)
+    found["principled: transmission 0.2"] = Case(
+        {"type": "principled", "reflectance": [1, 1, 1], "transmission": 1, "ior": 1.5,
+         "roughness": 0.2},
+        {"type": "principled", "base_color": rgb(1), "spec_trans": 1.0, "eta": 1.5,
+         "roughness": 0.2}, SKY, SKY_MI)
+    found["anisotropic conductor 0.2"] = Case(
+        {"type": "conductor", **COPPER, "roughness": 0.2, "anisotropy": 0.3},
+        {"type": "twosided", "bsdf": {
+            "type": "roughconductor", "distribution": "ggx", "alpha_u": 0.04 + 0.96 * 0.3**2,
+            "alpha_v": 0.04, "eta": rgb(*COPPER["eta"]), "k": rgb(*COPPER["k"])}},
+        *sun_and_sky(mi, folder, is_plain=True).lights())
     position = [1.5, 3.0, 2.0]
     found["point"] = Case(
         GREY, GREY_MI,
@@ -114,9 +138,9 @@ def cases(mi, folder):
     found["spot"] = Case(
         GREY, GREY_MI,
         {"lights": [{"type": "spot", "position": position, "direction": aim,
-                     "intensity": [20, 18, 16], "inner_angle": 19.99, "outer_angle": 20}]},
-        {"lamp": {"type": "spot", "intensity": rgb(20, 18, 16), "cutoff_angle": 20,
-                  "beam_width": 19.99,
+                     "intensity": [20, 18, 16], "inner_angle": 34.99, "outer_angle": 35}]},
+        {"lamp": {"type": "spot", "intensity": rgb(20, 18, 16), "cutoff_angle": 35,
+                  "beam_width": 34.99,
                   "to_world": mi.ScalarTransform4f().look_at(
                       origin=position, target=[p + d for p, d in zip(position, aim)],
                       up=[0, 1, 0])}})
@@ -131,10 +155,44 @@ def cases(mi, folder):
     found["sun and sky"] = sun_and_sky(mi, folder)
     found["textured lamp"] = textured_lamp(mi, folder)
     found["normal map"] = normal_map(mi, folder)
+    return found | described(mi, folder)
+
+
+# Balls whose material is written for Mitsuba as well, by its keys in scene files.
+DESCRIBED = {
+    "metal": {"reflectance": [1.0, 0.77, 0.34], "metallic": 1.0},
+    "paint": {"reflectance": [0.6, 0.3, 0.1]},
+    "paint, coloured specular": {
+        "reflectance": [0.6, 0.3, 0.1], "specular": [2.0, 1.5, 1.0], "ior": 1.4},
+    "transmission": {"reflectance": [0.9, 0.95, 1.0], "transmission": 1.0, "ior": 1.5},
+    "coated paint": {"reflectance": [0.6, 0.3, 0.1], "coat": 1.0, "coat_roughness": 0.2},
+    "sheen": {"reflectance": [0.1, 0.05, 0.2], "sheen": [0.8, 0.7, 0.9], "sheen_roughness": 0.4},
+    "anisotropic metal": {
+        "reflectance": [1.0, 0.77, 0.34], "metallic": 1.0, "anisotropy": 0.7},
+    "all at once": {
+        "reflectance": [0.9, 0.6, 0.3], "metallic": 0.3, "transmission": 0.5, "ior": 1.5,
+        "coat": 0.6, "coat_roughness": 0.3, "sheen": [0.3, 0.4, 0.5], "sheen_roughness": 0.5},
+}
+
+
+def described(mi, folder):
+    """Materials against what their documentation says, under the sun and the sky."""
+    from mitsuba_materials import described as written
+
+    lights = sun_and_sky(mi, folder, is_plain=True).lights()
+    found = {}
+    for roughness in (0.2, 0.5, 0.8):
+        copper = {**COPPER, "roughness": roughness}
+        found[f"as described: conductor {roughness}"] = Case(
+            {"type": "conductor", **copper}, written(copper), *lights)
+        for name, keys in DESCRIBED.items():
+            keys = {**keys, "roughness": roughness}
+            found[f"as described: {name} {roughness}"] = Case(
+                {"type": "principled", **keys}, written(keys), *lights)
     return found
 
 
-def sky(polar, azimuth):
+def sky(polar, azimuth, is_plain):
     """Radiances by the angle to +y and the one about it, from -z towards +x."""
     sine, zero = np.sin(polar)[:, None], 0 * azimuth[None]
     x, y, z = sine * np.sin(azimuth)[None], np.cos(polar)[:, None] + zero, -sine * np.cos(azimuth)
@@ -142,20 +200,24 @@ def sky(polar, azimuth):
     sun /= np.linalg.norm(sun)
     cosine = x * sun[0] + y * sun[1] + z * sun[2]
     picture = (0.3 + 0.5 * (1 - np.abs(y)))[..., None] * np.array([0.6, 0.8, 1.0])
+    if is_plain:
+        # Which RGB9E5 has without rounding: blocks of it have no noise.
+        picture = np.full_like(picture, 0.5)
     picture += 150 * np.exp((cosine - 1) / 0.0015)[..., None] * np.array([1.0, 0.9, 0.7])
     return picture.astype(np.float32)
 
 
-def sun_and_sky(mi, folder):
-    """An environment, brighter at the horizon, with a sun of some degrees."""
+def sun_and_sky(mi, folder, is_plain=False):
+    """An environment, brighter at the horizon unless plain, with a sun of some degrees."""
     width, height = 1024, 512
     azimuth = ((np.arange(width) + 0.5) / width - 0.5) * 2 * math.pi
-    ours, theirs = os.path.join(folder, "sky.exr"), os.path.join(folder, "sky-mi.exr")
-    mi.Bitmap(sky((np.arange(height) + 0.5) / height * math.pi, azimuth)).write(ours)
+    name = "plain-sky.exr" if is_plain else "sky.exr"
+    ours, theirs = os.path.join(folder, name), os.path.join(folder, "mi-" + name)
+    mi.Bitmap(sky((np.arange(height) + 0.5) / height * math.pi, azimuth, is_plain)).write(ours)
     # Theirs has -z at its left edge, and its first and last row at the poles.
     rows = np.arange(height) / (height - 1) * math.pi
-    mi.Bitmap(np.roll(sky(rows, azimuth), -width // 2, axis=1)).write(theirs)
-    return Case(GREY, GREY_MI, {"environment": {"file": "sky.exr"}},
+    mi.Bitmap(np.roll(sky(rows, azimuth, is_plain), -width // 2, axis=1)).write(theirs)
+    return Case(GREY, GREY_MI, {"environment": {"file": name}},
                 {"sky": {"type": "envmap", "filename": theirs}})
 
 

@@ -4,7 +4,8 @@ use super::{as_it_is, fuzz};
 use image::codecs::hdr::HdrEncoder;
 use raystream::render::{BvhQuality, PreparedScene};
 use raystream::scene::LoadOptions;
-use raystream_tests::gltf::{Gltf, U8};
+use raystream_tests::gltf::{F32, Gltf, I8, I16, U8};
+use raystream_tests::{draco, meshopt};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -49,6 +50,26 @@ fn bent() -> Gltf {
     gltf
 }
 
+/// Two triangles whose normals, tangents and texture coordinates are compressed by filters.
+fn filtered() -> Gltf {
+    let mut gltf = meshopt::compressed();
+    for (name, filter, stride, component, kind) in [
+        ("NORMAL", "OCTAHEDRAL", 4, I8, "VEC3"),
+        ("TANGENT", "QUATERNION", 8, I16, "VEC4"),
+        ("TEXCOORD_0", "EXPONENTIAL", 8, F32, "VEC2"),
+    ] {
+        let rows: Vec<u8> = (0..4 * stride as u8).map(|byte| 1 + byte % 3).collect();
+        let more = json!({"mode": "ATTRIBUTES", "filter": filter});
+        let stream = meshopt::attributes(&rows, stride);
+        let view = meshopt::add(&mut gltf, &stream, [4, stride], more);
+        let accessor = json!({"bufferView": view, "componentType": component, "type": kind,
+            "count": 4, "normalized": component != F32});
+        let accessor = gltf.add("accessors", accessor);
+        gltf.json["meshes"][0]["primitives"][0]["attributes"][name] = json!(accessor);
+    }
+    gltf
+}
+
 #[test]
 fn gltf_files_by_chance() {
     let words = &[
@@ -78,6 +99,8 @@ fn gltf_files_by_chance() {
         "\"extensions\":",
         "\"KHR_materials_ior\":",
         "\"KHR_texture_transform\":",
+        "\"mode\":\"INDICES\"",
+        "\"filter\":\"QUATERNION\"",
         "glTF",
         "JSON",
         "BIN\0",
@@ -85,7 +108,10 @@ fn gltf_files_by_chance() {
         "4294967295",
     ];
     let (plain, bent) = (Gltf::triangle(), bent());
-    let seeds = vec![plain.glb(), bent.glb()];
+    filtered().scene();
+    let seeds = vec![plain.glb(), bent.glb(), meshopt::compressed().glb(), filtered().glb()];
+    let draco = [0, 7, 10].map(|level| draco::compressed(level, Some(11)).glb());
+    let seeds = [seeds, draco.to_vec()].concat();
     fuzz("gltf", seeds, words, as_it_is, |bytes| load("a.glb", bytes));
     let mut text = plain;
     let bytes: String = text.binary.iter().map(|byte| format!("%{byte:02x}")).collect();

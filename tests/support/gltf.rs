@@ -8,9 +8,13 @@ use std::path::{Path, PathBuf};
 /// Component types of accessors.
 pub const U8: u32 = 5121;
 /// See [`U8`].
+pub const I8: u32 = 5120;
+/// See [`U8`].
 pub const I16: u32 = 5122;
 /// See [`U8`].
 pub const U16: u32 = 5123;
+/// See [`U8`].
+pub const U32: u32 = 5125;
 /// See [`U8`].
 pub const F32: u32 = 5126;
 

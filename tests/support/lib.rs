@@ -8,12 +8,14 @@
 
 pub mod cameras;
 pub mod devices;
+pub mod draco;
 pub mod executors;
 pub mod fuzz;
 pub mod gltf;
 pub mod histogram;
 pub mod large_scenes;
 pub mod materials;
+pub mod meshopt;
 pub mod renders;
 pub mod scene_folder;
 pub mod scenes;

@@ -2,7 +2,7 @@
 
 use super::material::Material;
 use super::mesh::Mesh;
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4};
 
 /// Which of a [`Scene`](super::Scene)'s shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,6 +72,10 @@ impl Mesh {
                 .map(|normals| normals.iter().map(|corners| corners.map(turned)).collect()),
             texture_coordinates: self.texture_coordinates.clone(),
             colours: self.colours.clone(),
+            tangents: self.tangents.as_ref().map(|tangents| {
+                let turned = |corners: &[Vec4; 3]| moved_tangents(*corners, &linear);
+                tangents.iter().map(turned).collect()
+            }),
         };
         if flips {
             moved.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -79,9 +83,21 @@ impl Mesh {
             let coordinates = moved.texture_coordinates.iter_mut().flatten();
             coordinates.for_each(|corners| corners.swap(1, 2));
             moved.colours.iter_mut().flatten().for_each(|corners| corners.swap(1, 2));
+            moved.tangents.iter_mut().flatten().for_each(|corners| corners.swap(1, 2));
         }
         moved
     }
+}
+
+/// Tangents of a surface that a linear map has changed: zero at all corners if one vanishes.
+pub(super) fn moved_tangents(corners: [Vec4; 3], linear: &DMat3) -> [Vec4; 3] {
+    let side = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let moved = corners.map(|tangent| {
+        let along = (*linear * tangent.truncate().as_dvec3()).normalize_or_zero();
+        along.as_vec3().extend(tangent.w * side)
+    });
+    let is_there = |tangent: &Vec4| tangent.truncate() != Vec3::ZERO;
+    if moved.iter().all(is_there) { moved } else { [Vec4::ZERO; 3] }
 }
 
 /// What normals are multiplied by: the matrix of cofactors, which is the inverse of the transpose
@@ -107,6 +123,7 @@ mod tests {
         let mut mesh =
             Mesh::new(MaterialId(0), vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
         mesh.normals = Some(vec![[Vec3::Z; 3]]);
+        mesh.tangents = Some(vec![[Vec4::new(1.0, 0.0, 0.0, 1.0); 3]]);
         for scale in [
             DVec3::new(-1.0, 1.0, 1.0),
             DVec3::new(1.0, 1.0, -3.0),
@@ -122,6 +139,11 @@ mod tests {
             assert!(front.dot(outside) > 0.9, "{scale}");
             let normal = moved.normals.unwrap()[0][0].as_dvec3();
             assert!(front.dot(normal) > 0.999, "{scale}: {normal}");
+            // What runs along x and y on the surface runs along them still.
+            let tangent = moved.tangents.unwrap()[0][0].as_dvec4();
+            let across = normal.cross(tangent.truncate()) * tangent.w;
+            let [x, y] = [DVec3::X, DVec3::Y].map(|a| transform.transform_vector3(a).normalize());
+            assert!(tangent.truncate().dot(x) > 0.999 && across.dot(y) > 0.999, "{scale}");
         }
     }
 

@@ -394,6 +394,12 @@ impl Material {
         self.principled().is_some_and(|principled| principled.anisotropy.strength > 0.0)
     }
 
+    /// Whether [tangents](super::Mesh::tangents) count: for a map of normals, or for a grain.
+    pub fn takes_tangents(&self) -> bool {
+        let has_normals = |p: &Principled| p.maps.normal.is_some();
+        self.has_grain() || self.principled().is_some_and(has_normals)
+    }
+
     /// Whether it has a bump map.
     pub(crate) fn has_bumps(&self) -> bool {
         self.principled().is_some_and(|principled| principled.maps.bump.is_some())

@@ -23,13 +23,18 @@ pub struct Mesh {
     /// [0, 1]: what multiplies the colour of the material, which
     /// [takes them](super::Material::takes_colours), and its opacity. `None`: white.
     pub colours: Option<Vec<[Vec4; 3]>>,
+    /// For each triangle the tangents at its corners: the direction in which `u` grows in a map of
+    /// normals and along which a surface may be rougher, of unit length, and -1 where such a map is
+    /// mirrored, else 1; zero at all three where it is the direction in which the triangle's own
+    /// texture coordinate `u` grows. `None`: that is so everywhere.
+    pub tangents: Option<Vec<[Vec4; 3]>>,
 }
 
 impl Mesh {
-    /// A flat mesh without texture coordinates and colours; see the fields.
+    /// A flat mesh with nothing else at its corners; see the fields.
     pub fn new(material: MaterialId, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
-        let (normals, texture_coordinates, colours) = (None, None, None);
-        Self { material, positions, triangles, normals, texture_coordinates, colours }
+        let (normals, texture_coordinates, colours, tangents) = (None, None, None, None);
+        Self { material, positions, triangles, normals, texture_coordinates, colours, tangents }
     }
 
     /// The positions of a triangle's corners.
@@ -57,6 +62,7 @@ impl Mesh {
         self.normals.iter_mut().for_each(|normals| retain(normals, &kept));
         self.texture_coordinates.iter_mut().for_each(|uvs| retain(uvs, &kept));
         self.colours.iter_mut().for_each(|colours| retain(colours, &kept));
+        self.tangents.iter_mut().for_each(|tangents| retain(tangents, &kept));
     }
 }
 
@@ -86,7 +92,9 @@ mod tests {
         let mut mesh = Mesh::new(MaterialId(0), positions, vec![[0, 1, 2], [0, 1, 1], [0, 1, 3]]);
         mesh.normals = Some([Vec3::X, Vec3::Y, Vec3::Z].map(|n| [n; 3]).to_vec());
         mesh.colours = Some([0.1, 0.2, 0.3].map(|grey| [Vec4::splat(grey); 3]).to_vec());
+        mesh.tangents = Some([0.1, 0.2, 0.3].map(|x| [Vec4::splat(x); 3]).to_vec());
         mesh.retain(has_area);
+        assert_eq!(mesh.tangents, Some([0.1, 0.3].map(|x| [Vec4::splat(x); 3]).to_vec()));
         assert_eq!(mesh.colours, Some([0.1, 0.3].map(|grey| [Vec4::splat(grey); 3]).to_vec()));
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]]);
         assert_eq!(mesh.normals, Some(vec![[Vec3::X; 3], [Vec3::Z; 3]]));

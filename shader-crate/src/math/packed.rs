@@ -1,10 +1,24 @@
-//! A tangent in one word: a unit vector in octahedral form, and a sign.
+//! Numbers that share words: codes of 16 bits, and tangents.
 //!
+//! A tangent is one word: a unit vector in octahedral form, and a sign.
 //! Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 3(2),
 //! 2014. 15 bits for each of two coordinates are good to 1.5e-4; bit 30 says that there
 //! is a tangent, bit 31 that texture coordinates are mirrored.
 
-use crate::glam::Vec3;
+use crate::glam::{Vec3, Vec4};
+
+/// The largest code of 16 bits.
+pub const LARGEST_SHORT: f32 = 65_535.0;
+
+/// Four codes of 16 bits, two to a word, the first one in its lower half.
+pub fn shorts(low: u32, high: u32) -> Vec4 {
+    Vec4::new(
+        (low & 0xffff) as f32,
+        (low >> 16) as f32,
+        (high & 0xffff) as f32,
+        (high >> 16) as f32,
+    )
+}
 
 /// Of what has no texture coordinates that span it.
 pub const NO_TANGENT: u32 = 0;

@@ -58,6 +58,9 @@ pub const ANISOTROPY: u32 = 1 << 14;
 /// Lights are chosen by a [tree](crate::scene::light::tree).
 pub const LIGHT_TREE: u32 = 1 << 15;
 
+/// Corners have [tangents](crate::scene::triangle::Tangents) of their own.
+pub const TANGENTS: u32 = 1 << 16;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

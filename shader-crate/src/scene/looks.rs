@@ -25,7 +25,7 @@ pub struct Looks {
     pub shading: Vec3,
     /// See [`Bsdf::geometric`](crate::scene::bsdf::Bsdf::geometric); on the front.
     pub geometric: Vec3,
-    /// Of the triangle, packed, or [`NO_TANGENT`].
+    /// Packed, or [`NO_TANGENT`].
     pub tangent: u32,
 }
 
@@ -50,7 +50,7 @@ impl Looks {
         let (shading, geometric) = (point.normal, point.normal);
         let mut looks = Self { material, layers, shading, geometric, tangent: NO_TANGENT };
         if triangle.attributes != NO_ATTRIBUTES {
-            let a = surfaces.attributes(triangle.attributes, instance);
+            let a = surfaces.attributes_at(triangle.attributes, instance, hit);
             looks.shading = a.normal(hit, point.normal);
             looks.geometric = looks.shading;
             looks.tangent = a.tangent;

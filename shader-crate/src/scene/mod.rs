@@ -4,7 +4,8 @@
 //! geometry: nodes of the BVH | triangles, for the test | their numbers in the scene | instances
 //! surfaces: triangles, for shading | attributes | materials | lights | albedos of surfaces
 //!           | layers | albedos of boundaries and of sheen, conductors | maps of emission
-//!           | albedos of anisotropic surfaces | colours of vertices | tree of lights | bodies
+//!           | albedos of anisotropic surfaces | colours of vertices | tangents of corners
+//!           | tree of lights | bodies
 //! texels:   textures, see `texture` | environment, see `environment`
 //! ```
 //!
@@ -84,8 +85,8 @@ device_struct! {
         pub first_anisotropic: u32,
         /// Row of `surfaces` with the [tree of lights](light::tree), or [`light::tree::NO_TREE`].
         pub first_light_tree: u32,
-        /// Unused; zero.
-        pub pad: u32,
+        /// Row of `surfaces` with the first tangents of corners, or [`triangle::NO_TANGENTS`].
+        pub first_tangents: u32,
     }
 }
 
@@ -129,6 +130,7 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 bvh,
                 first_attributes: params.first_attributes,
                 first_colours: params.first_colours,
+                first_tangents: params.first_tangents,
                 first_material: params.first_material,
                 first_anisotropic: params.first_anisotropic,
                 first_albedos: params.first_light + params.lights * Light::ROWS,

@@ -1,9 +1,13 @@
 //! From a hit to what shading needs to know.
 
 use crate::glam::{UVec4, Vec3, Vec4};
+use crate::math::packed::NO_TANGENT;
 use crate::math::random::{hash, unit_float};
+use crate::memory::access::at;
 use crate::memory::rows::{four_rows, six_rows, three_rows, two_rows};
-use crate::scene::abilities::{ANISOTROPY, Abilities, INSTANCES, MEDIA, TEXTURES, VERTEX_COLOURS};
+use crate::scene::abilities::{
+    ANISOTROPY, Abilities, INSTANCES, MEDIA, TANGENTS, TEXTURES, VERTEX_COLOURS,
+};
 use crate::scene::bsdf::albedo::{self, AlbedoView};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
@@ -14,7 +18,9 @@ use crate::scene::looks::Looks;
 use crate::scene::media::{Body, Interface, Media, MediaView, Sides};
 use crate::scene::ray::{Clearance, Hit, Ray, SurfacePoint};
 use crate::scene::texture::{NO_TEXTURE, TextureView};
-use crate::scene::triangle::{Attributes, NO_ATTRIBUTES, NO_COLOURS, Triangle, VertexColours};
+use crate::scene::triangle::{
+    Attributes, NO_ATTRIBUTES, NO_COLOURS, NO_TANGENTS, Tangents, Triangle, VertexColours,
+};
 
 /// The surfaces of a scene, for those who know what has been hit.
 #[derive(Clone, Copy)]
@@ -27,6 +33,8 @@ pub struct SurfaceView<'a, A> {
     pub first_attributes: u32,
     /// See [`SceneParams::first_colours`](crate::scene::SceneParams::first_colours).
     pub first_colours: u32,
+    /// See [`SceneParams::first_tangents`](crate::scene::SceneParams::first_tangents).
+    pub first_tangents: u32,
     /// Row of the first material.
     pub first_material: u32,
     /// Row of the tables of principled materials; see [`crate::scene`].
@@ -98,7 +106,27 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
     #[inline(always)]
     pub(super) fn attributes(&self, index: u32, instance: u32) -> Attributes {
         let rows = four_rows(self.rows, self.first_attributes + index * Attributes::ROWS);
-        let attributes = Attributes::from_rows(rows);
+        self.placed(Attributes::from_rows(rows), instance)
+    }
+
+    /// The same for `hit`, with the tangent there.
+    #[inline(always)]
+    pub(super) fn attributes_at(&self, index: u32, instance: u32, hit: &Hit) -> Attributes {
+        let rows = four_rows(self.rows, self.first_attributes + index * Attributes::ROWS);
+        let mut attributes = Attributes::from_rows(rows);
+        if self.abilities.has(TANGENTS) && self.first_tangents != NO_TANGENTS {
+            let row = at(self.rows, self.first_tangents + index * Tangents::ROWS);
+            let tangent = Tangents::from_rows([row]).at(hit);
+            if tangent != NO_TANGENT {
+                attributes.tangent = tangent;
+            }
+        }
+        self.placed(attributes, instance)
+    }
+
+    /// Attributes of a shape as they are in the world where an instance, or none, places them.
+    #[inline(always)]
+    fn placed(&self, attributes: Attributes, instance: u32) -> Attributes {
         if self.abilities.has(INSTANCES) && instance != NO_INSTANCE {
             return self.bvh.instances().attributes(instance, &attributes);
         }

@@ -15,6 +15,7 @@
 
 use crate::glam::{Vec3, Vec4};
 use crate::math::elementary::pow;
+use crate::math::packed::{LARGEST_SHORT, shorts};
 use crate::memory::access::at;
 use crate::scene::abilities::{Abilities, WIDE_TEXTURES};
 #[cfg(target_arch = "spirv")]
@@ -158,22 +159,13 @@ impl<'a, A: Abilities> TextureView<'a, A> {
 
     /// Four codes of 16 bits.
     fn shorts(&self, place: u32) -> Vec4 {
-        let (low, high) = (at(self.words, place), at(self.words, place + 1));
-        Vec4::new(
-            (low & 0xffff) as f32,
-            (low >> 16) as f32,
-            (high & 0xffff) as f32,
-            (high >> 16) as f32,
-        )
+        shorts(at(self.words, place), at(self.words, place + 1))
     }
 
     fn decode(&self, srgb: u32) -> f32 {
         f32::from_bits(at(self.words, srgb))
     }
 }
-
-/// The largest code of 16 bits.
-const LARGEST_SHORT: f32 = 65_535.0;
 
 /// The linear value, in [0, 1], of an sRGB code of 16 bits.
 fn linear(code: f32) -> f32 {

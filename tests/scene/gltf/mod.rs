@@ -2,12 +2,14 @@
 
 mod animation;
 mod broken;
+mod draco;
 mod geometry;
 mod materials;
 mod meshopt;
 mod models;
 mod picture;
 mod surroundings;
+mod tangents;
 
 use glam::Vec3;
 use raystream::scene::Scene;

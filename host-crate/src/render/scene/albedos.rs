@@ -12,12 +12,8 @@ use raystream_shaders::scene::bsdf::sheen;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// Points of the lattice over which directions are integrated, and its generator: two Fibonacci
-/// numbers, one after the other (Niederreiter, "Random Number Generation and Quasi-Monte Carlo
-/// Methods", 1992, section 5.1). Where light is lost is a step in the square, along which the
-/// points of a grid would line up.
-const POINTS: u32 = 4181;
-const GENERATOR: u32 = 2584;
+/// The lattice over which directions are integrated.
+const LATTICE: Lattice = Lattice { points: 4181, generator: 2584 };
 /// Intervals of the integral over angles, for each of the table's.
 const STEPS: u32 = 16;
 
@@ -54,9 +50,10 @@ pub fn of_sheen() -> &'static [UVec4] {
 /// reflects, over the cosine-weighted hemisphere.
 pub fn of_conductor(eta: Vec3, k: Vec3) -> Vec3 {
     let mean = |eta: f32, k: f32| {
-        let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(POINTS);
+        let steps = LATTICE.points;
+        let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(steps);
         let at = |step| middle(step) * f64::from(fresnel(middle(step) as f32, eta, k));
-        (2.0 / f64::from(POINTS) * (0..POINTS).map(at).sum::<f64>()) as f32
+        (2.0 / f64::from(steps) * (0..steps).map(at).sum::<f64>()) as f32
     };
     Vec3::new(mean(eta.x, k.x), mean(eta.y, k.y), mean(eta.z, k.z))
 }
@@ -83,7 +80,7 @@ fn fraction(index: u32) -> f32 {
 }
 
 /// Each value with the next.
-fn pairs(values: &[Vec2]) -> Vec<UVec4> {
+pub(super) fn pairs(values: &[Vec2]) -> Vec<UVec4> {
     let rows = values.windows(2).map(|pair| {
         let [low, high] = [pair[0], pair[1]];
         UVec4::new(low.x.to_bits(), low.y.to_bits(), high.x.to_bits(), high.y.to_bits())
@@ -97,12 +94,24 @@ fn towards(cosine: f32) -> Vec3 {
     Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine)
 }
 
-/// The mean of a function over the points of the unit square.
-fn over_square(value: impl Fn([f32; 2]) -> Vec2) -> Vec2 {
-    let middle = |k: u32| (k as f32 + 0.5) / POINTS as f32;
-    let points = (0..POINTS).map(|k| [middle(k), middle(k * GENERATOR % POINTS)]);
-    let sum: glam::DVec2 = points.map(|point| value(point).as_dvec2()).sum();
-    (sum / f64::from(POINTS)).as_vec2()
+/// Points of the unit square that lie evenly: their number and their generator, two Fibonacci
+/// numbers, one after the other (Niederreiter, "Random Number Generation and Quasi-Monte Carlo
+/// Methods", 1992, section 5.1). Where light is lost is a step in the square, along which the
+/// points of a grid would line up.
+pub(super) struct Lattice {
+    pub points: u32,
+    pub generator: u32,
+}
+
+impl Lattice {
+    /// The mean of a function over the points.
+    pub(super) fn mean(&self, value: impl Fn([f32; 2]) -> Vec2) -> Vec2 {
+        let middle = |k: u32| (k as f32 + 0.5) / self.points as f32;
+        let points =
+            (0..self.points).map(|k| [middle(k), middle(k * self.generator % self.points)]);
+        let sum: glam::DVec2 = points.map(|point| value(point).as_dvec2()).sum();
+        (sum / f64::from(self.points)).as_vec2()
+    }
 }
 
 /// The albedo under a `cosine`, by the microfacets that are seen from there: for each, the weight
@@ -110,7 +119,7 @@ fn over_square(value: impl Fn([f32; 2]) -> Vec2) -> Vec2 {
 fn surface(roughness: f32, cosine: f32) -> Vec2 {
     let ggx = Ggx::of_roughness(roughness);
     let o = towards(cosine);
-    over_square(|point| {
+    LATTICE.mean(|point| {
         let h = ggx.sample_visible(o, point);
         let i = (-o).reflect(h);
         if i.z <= 0.0 {
@@ -127,7 +136,7 @@ fn boundary(roughness: f32, cosine: f32, ior: f32, from_outside: bool) -> f32 {
     let ggx = Ggx::of_roughness(roughness);
     let o = towards(cosine);
     let eta = if from_outside { ior } else { 1.0 / ior };
-    let whole = over_square(|point| {
+    let whole = LATTICE.mean(|point| {
         let h = ggx.sample_visible(o, point);
         let here = o.dot(h).clamp(0.0, 1.0);
         let reflected = dielectric_fresnel(here, eta);
@@ -150,7 +159,7 @@ fn boundary(roughness: f32, cosine: f32, ior: f32, from_outside: bool) -> f32 {
 /// The albedo of sheen under a `cosine`, by directions spread evenly over the hemisphere.
 fn fibres(roughness: f32, cosine: f32) -> f32 {
     let o = towards(cosine);
-    over_square(|point| Vec2::new(sheen::value(roughness, o, sheen::sample(point)), 0.0)).x
+    LATTICE.mean(|point| Vec2::new(sheen::value(roughness, o, sheen::sample(point)), 0.0)).x
         / sheen::PDF
 }
 

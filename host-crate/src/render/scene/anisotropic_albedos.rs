@@ -1,6 +1,7 @@
 //! The table of albedos of anisotropic surfaces, in the layout of
 //! [`raystream_shaders::scene::bsdf::anisotropic`].
 
+use super::albedos::{Lattice, pairs};
 use glam::{DVec2, UVec4, Vec2, Vec3};
 use rayon::prelude::*;
 use raystream_shaders::scene::bsdf::anisotropic::{
@@ -10,10 +11,8 @@ use raystream_shaders::scene::bsdf::reflector::grazing;
 use std::f32::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
-/// Points of the lattice of microfacets, and its generator: two Fibonacci numbers, see
-/// [`super::albedos`].
-const POINTS: u32 = 987;
-const GENERATOR: u32 = 610;
+/// The lattice of microfacets.
+const LATTICE: Lattice = Lattice { points: 987, generator: 610 };
 /// Middles of intervals over which means are summed up, along the cosine's root and the azimuth.
 const STEPS: [u32; 2] = [184, 36];
 
@@ -49,15 +48,6 @@ fn table() -> Vec<UVec4> {
     rows
 }
 
-/// Each value with the next.
-fn pairs(values: &[Vec2]) -> Vec<UVec4> {
-    let row = |pair: &[Vec2]| {
-        let [low, high] = [pair[0], pair[1]];
-        UVec4::new(low.x.to_bits(), low.y.to_bits(), high.x.to_bits(), high.y.to_bits())
-    };
-    values.windows(2).map(row).collect()
-}
-
 /// The direction of a cosine to the normal, whose azimuth has this cosine to the grain.
 fn towards(azimuth: f32, cosine: f32) -> Vec3 {
     let cosine = cosine.max(1e-4);
@@ -67,18 +57,16 @@ fn towards(azimuth: f32, cosine: f32) -> Vec3 {
 
 /// The albedo as `o` sees it, by the microfacets that are seen from there.
 fn albedo(surface: &Anisotropic, o: Vec3) -> Vec2 {
-    let middle = |k: u32| (k as f32 + 0.5) / POINTS as f32;
-    let weigh = |k: u32| {
-        let h = surface.sample_visible(o, [middle(k), middle(k * GENERATOR % POINTS)]);
+    LATTICE.mean(|point| {
+        let h = surface.sample_visible(o, point);
         let i = (-o).reflect(h);
         if i.z <= 0.0 {
-            return DVec2::ZERO;
+            return Vec2::ZERO;
         }
         let weight = surface.masking_reflected(o, i) / surface.masking(o);
         let fifth = grazing(o.dot(h).clamp(0.0, 1.0));
-        Vec2::new(weight * (1.0 - fifth), weight * fifth).as_dvec2()
-    };
-    ((0..POINTS).map(weigh).sum::<DVec2>() / f64::from(POINTS)).as_vec2()
+        Vec2::new(weight * (1.0 - fifth), weight * fifth)
+    })
 }
 
 /// The mean of what kernels look up, over the cosine-weighted hemisphere.

@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use obvhs::aabb::Aabb;
 use rayon::slice::ParallelSliceMut;
 use raystream_shaders::math::packed::{NO_TANGENT, Tangent};
-use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES, VertexColours};
+use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES, Tangents, VertexColours};
 use std::collections::HashSet;
 
 /// The triangles of a scene.
@@ -36,8 +36,12 @@ pub struct Corners {
     pub attributes: Vec<Attributes>,
     /// Colours, of all of them; none where no mesh has any.
     pub colours: Vec<VertexColours>,
+    /// Tangents, of all of them; none where no mesh has any.
+    pub tangents: Vec<Tangents>,
     /// Whether any mesh has colours.
     has_colours: bool,
+    /// Whether any mesh has tangents.
+    has_tangents: bool,
 }
 
 /// Triangles in one space, those with an area.
@@ -80,8 +84,9 @@ const MAX_DISTANCE: f32 = 2.0;
 /// those of the scene, `n` after them.
 pub fn gather(scene: &Scene) -> Geometry {
     let mut geometry = Geometry::default();
-    let mut meshes = scene.meshes.iter().chain(&scene.shapes);
-    geometry.corners.has_colours = meshes.any(|mesh| mesh.colours.is_some());
+    let any = |has: fn(&Mesh) -> bool| scene.meshes.iter().chain(&scene.shapes).any(has);
+    geometry.corners.has_colours = any(|mesh| mesh.colours.is_some());
+    geometry.corners.has_tangents = any(|mesh| mesh.tangents.is_some());
     let bodies = bodies_apart(scene);
     let mut number = 0;
     for mesh in &scene.meshes {
@@ -200,7 +205,9 @@ impl Triangles {
                 number,
             };
             let colours = mesh.colours.as_ref().map(|colours| colours[index]);
-            if normals.is_some() || coordinates.is_some() || colours.is_some() {
+            let tangents = mesh.tangents.as_ref().map(|tangents| tangents[index]);
+            let has_more = colours.is_some() || tangents.is_some();
+            if normals.is_some() || coordinates.is_some() || has_more {
                 triangle.attributes = of_corners.attributes.len() as u32;
             }
             if self.add(triangle) && triangle.attributes != NO_ATTRIBUTES {
@@ -210,6 +217,9 @@ impl Triangles {
                 });
                 if of_corners.has_colours {
                     of_corners.colours.push(packed(colours.unwrap_or([Vec4::ONE; 3])));
+                }
+                if of_corners.has_tangents {
+                    of_corners.tangents.push(packed_tangents(tangents.unwrap_or_default()));
                 }
             }
         }
@@ -258,6 +268,16 @@ fn packed(colours: [Vec4; 3]) -> VertexColours {
         [red | green << 16, blue | alpha << 16]
     });
     VertexColours { corners, pad: [0; 2] }
+}
+
+fn packed_tangents(tangents: [Vec4; 3]) -> Tangents {
+    let word = |tangent: Vec4| {
+        if tangent == Vec4::ZERO {
+            return NO_TANGENT;
+        }
+        Tangent { direction: tangent.truncate(), is_mirrored: tangent.w < 0.0 }.pack()
+    };
+    Tangents { corners: tangents.map(word), pad: 0 }
 }
 
 /// The direction along a triangle in which the first texture coordinate grows and the second does

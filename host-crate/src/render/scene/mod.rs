@@ -37,7 +37,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::abilities::{
     ALL, ANISOTROPY, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES,
-    INSTANCES, LIGHT_TREE, MEDIA, PRINCIPLED, PUNCTUAL, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
+    INSTANCES, LIGHT_TREE, MEDIA, PRINCIPLED, PUNCTUAL, TANGENTS, TEXTURES, VERTEX_COLOURS,
+    WIDE_TEXTURES,
 };
 use raystream_shaders::scene::bsdf::{self, layers::Layers};
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
@@ -45,7 +46,7 @@ use raystream_shaders::scene::light::tree::NO_TREE;
 use raystream_shaders::scene::light::{DIRECTION, Light, POINT};
 use raystream_shaders::scene::media::NO_MEDIA;
 use raystream_shaders::scene::ray::Hit;
-use raystream_shaders::scene::triangle::NO_COLOURS;
+use raystream_shaders::scene::triangle::{NO_COLOURS, NO_TANGENTS};
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -268,6 +269,7 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (lights.table.iter().any(is_punctual), PUNCTUAL),
         (!lights.maps.is_empty(), EMISSION_MAPS),
         (params.first_colours != NO_COLOURS, VERTEX_COLOURS),
+        (params.first_tangents != NO_TANGENTS, TANGENTS),
         (params.first_light_tree != NO_TREE, LIGHT_TREE),
         (any(Material::has_grain), ANISOTROPY),
     ]
@@ -305,6 +307,9 @@ impl Parts<'_> {
         let colours = &self.corners.colours;
         params.first_colours =
             if colours.is_empty() { NO_COLOURS } else { append(surfaces, colours) };
+        let tangents = &self.corners.tangents;
+        params.first_tangents =
+            if tangents.is_empty() { NO_TANGENTS } else { append(surfaces, tangents) };
         let tree = self.lights.tree.as_ref();
         params.first_light_tree = tree.map_or(NO_TREE, |tree| append(surfaces, &tree.rows()));
     }
@@ -329,7 +334,7 @@ mod tests {
     use super::*;
 
     use raystream_shaders::scene::light::EmissionMap;
-    use raystream_shaders::scene::triangle::{Attributes, VertexColours};
+    use raystream_shaders::scene::triangle::{Attributes, Tangents, VertexColours};
 
     /// The rows of an element whose every word differs, and the element.
     fn numbered<T: Pod, const ROWS: usize>() -> ([UVec4; ROWS], T) {
@@ -354,5 +359,7 @@ mod tests {
         assert_eq!(Attributes::from_rows(rows), attributes);
         let (rows, colours) = numbered::<VertexColours, { VertexColours::ROWS as usize }>();
         assert_eq!(VertexColours::from_rows(rows), colours);
+        let (rows, tangents) = numbered::<Tangents, { Tangents::ROWS as usize }>();
+        assert_eq!(Tangents::from_rows(rows), tangents);
     }
 }

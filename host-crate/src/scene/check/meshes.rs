@@ -34,6 +34,7 @@ impl Scene {
             let what = "are needed, since the material has a texture".to_owned();
             return Err(at("texture_coordinates")(what));
         }
+        check_tangents(mesh)?;
         check_colours(mesh, material)
     }
 
@@ -94,6 +95,23 @@ fn check_normals(mesh: &Mesh) -> Result<(), InvalidScene> {
         Some(index) => {
             let what = "must have unit length, or be zero".to_owned();
             Err(at(&format!("normals[{index}]"))(what))
+        }
+        None => Ok(()),
+    }
+}
+
+fn check_tangents(mesh: &Mesh) -> Result<(), InvalidScene> {
+    let Some(tangents) = &mesh.tangents else { return Ok(()) };
+    check_count("tangents", tangents.len(), mesh)?;
+    let is_fine = |tangent: &Vec4| {
+        let is_unit = (tangent.truncate().length() - 1.0).abs() <= UNIT_TOLERANCE;
+        is_unit && tangent.w.abs() == 1.0
+    };
+    let are_fine = |corners: &[Vec4; 3]| *corners == [Vec4::ZERO; 3] || corners.iter().all(is_fine);
+    match tangents.iter().position(|corners| !are_fine(corners)) {
+        Some(index) => {
+            let what = "must have unit length and 1 or -1 besides, or be zero at all three corners";
+            Err(at(&format!("tangents[{index}]"))(what.to_owned()))
         }
         None => Ok(()),
     }

@@ -5,7 +5,7 @@ use super::geometry::Geometry;
 use super::nodes::Nodes;
 use super::primitive::Primitive;
 use crate::scene::error::SceneError;
-use crate::scene::instance::normal_map;
+use crate::scene::instance::{moved_tangents, normal_map};
 use glam::{DMat3, DMat4, Vec3};
 use gltf::json::Index;
 use gltf::json::mesh::Semantic;
@@ -54,6 +54,11 @@ impl Primitive<'_, '_> {
             }
             if let (Some(accessor), Some(normals)) = (target.normals, &mut shape.normals) {
                 add(accessor.value(), "NORMAL", normals)?;
+            }
+            if let (Some(accessor), Some(tangents)) = (target.tangents, &mut shape.tangents) {
+                let mut along: Vec<Vec3> = tangents.iter().map(|t| t.truncate()).collect();
+                add(accessor.value(), "TANGENT", &mut along)?;
+                zip(tangents, along).for_each(|(t, along)| *t = along.extend(t.w));
             }
         }
         Ok(())
@@ -134,6 +139,9 @@ pub(super) fn bend(
     for (normal, matrix) in zip(bent.normals.iter_mut().flatten(), &matrices) {
         let map = normal_map(&DMat3::from_mat4(*matrix));
         *normal = (map * normal.as_dvec3()).normalize_or_zero().as_vec3();
+    }
+    for (tangent, matrix) in zip(bent.tangents.iter_mut().flatten(), &matrices) {
+        [*tangent, ..] = moved_tangents([*tangent; 3], &DMat3::from_mat4(*matrix));
     }
     let flipped = matrices.iter().filter(|matrix| matrix.determinant() < 0.0).count();
     if 2 * flipped > matrices.len() {

@@ -7,6 +7,7 @@ use crate::scene::options::{Instancing, LoadOptions};
 use crate::scene::source::{SceneBytes, Source, find_foreign};
 use crate::scene::text::{Name, plain_text};
 use gltf::binary::Glb;
+use gltf::json::buffer::View;
 use gltf::json::{Root, Value};
 use serde::de::Error as _;
 use std::borrow::Cow;
@@ -19,7 +20,7 @@ const MAGIC: &[u8] = b"glTF";
 const HEADER: usize = 12;
 /// Memory that a scene takes for each triangle at the peak, in bytes, by an estimate; that of an
 /// OBJ was measured.
-const PER_TRIANGLE: u64 = 400;
+pub(super) const PER_TRIANGLE: u64 = 400;
 /// Memory for each vertex.
 const PER_VERTEX: u64 = 60;
 
@@ -35,7 +36,7 @@ pub(super) struct Document<'a> {
     pub root: Root,
     /// The bytes of each buffer; none where the file names none.
     buffers: Vec<Option<Cow<'a, [u8]>>>,
-    /// The bytes of each view that is compressed, as they are without.
+    /// The bytes of each view that is compressed, as they are without; and of what was decoded.
     decompressed: Vec<Option<Vec<u8>>>,
     /// What becomes of shapes that stand in several places.
     pub instancing: Instancing,
@@ -83,6 +84,7 @@ impl<'a> Document<'a> {
             let bytes = document.decompress(index)?;
             document.decompressed.push(bytes);
         }
+        document.decode_primitives()?;
         Ok(document)
     }
 
@@ -181,13 +183,30 @@ impl<'a> Document<'a> {
 
     /// Counts so many bytes of memory.
     pub(super) fn charge(&self, bytes: u64, place: &str) -> Result<(), SceneError> {
-        let too_large = || SceneError::TooLarge {
+        let left = self.left().checked_sub(bytes).ok_or_else(|| self.too_large(place))?;
+        self.left.set(left);
+        Ok(())
+    }
+
+    /// The bytes of memory that are left to count.
+    pub(super) fn left(&self) -> u64 {
+        self.left.get()
+    }
+
+    /// The error of a part that takes too much memory.
+    pub(super) fn too_large(&self, place: &str) -> SceneError {
+        SceneError::TooLarge {
             path: self.path.to_owned(),
             place: place.to_owned(),
             limit: self.limit,
-        };
-        self.left.set(self.left.get().checked_sub(bytes).ok_or_else(too_large)?);
-        Ok(())
+        }
+    }
+
+    /// Adds a view that has these bytes; its number.
+    pub(super) fn add_bytes(&mut self, view: View, bytes: Vec<u8>) -> usize {
+        self.root.buffer_views.push(view);
+        self.decompressed.push(Some(bytes));
+        self.decompressed.len() - 1
     }
 
     /// Counts triangles of the scene.

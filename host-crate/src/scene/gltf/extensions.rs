@@ -15,11 +15,14 @@ pub(super) const VARIANTS: &str = "KHR_materials_variants";
 /// The older model of materials.
 pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
+/// The extension of compressed primitives.
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 /// The extension of compressed views.
 pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
 
 /// Extensions whose content is read; of what the picture does not show, its reader says so.
 const READ: &[&str] = &[
+    DRACO,
     INSTANCING,
     MESHOPT,
     WEBP,

@@ -1,6 +1,6 @@
 //! Triangles in a space of their own.
 
-use crate::scene::instance::normal_map;
+use crate::scene::instance::{moved_tangents, normal_map};
 use crate::scene::material::MaterialId;
 use crate::scene::mesh::Mesh;
 use glam::{DMat3, DMat4, Vec2, Vec3, Vec4};
@@ -15,6 +15,9 @@ pub(super) struct Geometry {
     pub texture_coordinates: Option<Vec<Vec2>>,
     /// One for each position, linear, with alpha, each component in [0, 1].
     pub colours: Option<Vec<Vec4>>,
+    /// One for each position: a unit vector along which `u` grows, and 1, or -1 where the texture is
+    /// mirrored; zero where there is none.
+    pub tangents: Option<Vec<Vec4>>,
     /// Indices of positions.
     pub triangles: Vec<[u32; 3]>,
     /// Whether triangles come of strips.
@@ -40,6 +43,9 @@ impl Geometry {
             normals: self.of_corners(normals.as_deref(), seen),
             texture_coordinates: self.of_corners(self.texture_coordinates.as_deref(), seen),
             colours: self.of_corners(self.colours.as_deref(), seen),
+            tangents: self.of_corners(self.tangents.as_deref(), seen).map(|tangents| {
+                tangents.into_iter().map(|corners| moved_tangents(corners, &linear)).collect()
+            }),
         }
     }
 

@@ -39,6 +39,14 @@ impl VertexColour {
     pub(super) const WHITE: Self = Self { colour: Vec3::ONE, is_opaque: true };
 }
 
+/// What the corners of a primitive have.
+pub(super) struct CornersHave<'a> {
+    /// Whether there are the texture coordinates of a set.
+    pub set: &'a dyn Fn(u32) -> bool,
+    /// Whether there are tangents that count.
+    pub tangents: bool,
+}
+
 /// What triangles are made of.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Surface {
@@ -84,12 +92,12 @@ impl<'a> Materials<'a> {
     }
 
     /// What the triangles of the primitive at `place` are made of, by the number of their material
-    /// in the file, or by default. `has_set` says which texture coordinates there are.
+    /// in the file, or by default.
     pub(super) fn surface(
         &mut self,
         material: Option<usize>,
         vertices: VertexColour,
-        has_set: impl Fn(u32) -> bool,
+        corners: CornersHave<'_>,
         place: &str,
         scene: &mut Scene,
     ) -> Result<Made, SceneError> {
@@ -105,13 +113,14 @@ impl<'a> Materials<'a> {
             return Ok(Made { surface: Surface::Nothing, layout: None });
         }
         let has_alpha = !vertices.is_opaque && self.takes_alpha(&described, place);
-        let layout = described.layout().filter(|layout| has_set(layout.set));
+        let layout = described.layout().filter(|layout| (corners.set)(layout.set));
         let path = self.sources.document.path;
         let mut note = |fate| self.sources.summary.note(path, 0, fate, place, &described.name);
         if layout.is_none() && described.layout_of_textures().is_some() {
             note(Fate::MeanOfTexture);
         }
-        if layout.is_none() && described.plain.anisotropy.strength > 0.0 {
+        let has_grain = described.plain.anisotropy.strength > 0.0;
+        if has_grain && layout.is_none() && !corners.tangents {
             note(Fate::WithoutGrain);
         }
         let colour = vertices.colour.to_array().map(f32::to_bits);

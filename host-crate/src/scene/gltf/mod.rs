@@ -8,6 +8,7 @@ mod animation;
 mod camera;
 mod deform;
 mod document;
+mod draco;
 mod extensions;
 mod geometry;
 mod instances;

@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::geometry::Geometry;
 use super::layout::Layout;
-use super::material::{Materials, Surface, VertexColour};
+use super::material::{CornersHave, Materials, Surface, VertexColour};
 use super::variants::Variants;
 use crate::scene::bounds::MAX_COORDINATE;
 use crate::scene::description::Scene;
@@ -51,7 +51,7 @@ impl Lacks {
             (self.positions, "parts of meshes without POSITION are not shown"),
             (
                 self.numbers,
-                "parts of meshes have normals or texture coordinates that are no numbers",
+                "parts of meshes have normals, tangents or texture coordinates that are no numbers",
             ),
         ];
         for (count, what) in remarks.into_iter().filter(|(count, _)| *count > 0) {
@@ -140,10 +140,20 @@ impl Primitive<'_, '_> {
         let (colour, colours) = self.colours(count)?;
         let has_set = |set: u32| self.attribute(Semantic::TexCoords(set)).is_some();
         let material = variants.material(self)?;
-        let made = materials.surface(material, colour, has_set, &self.place(), scene)?;
+        let has_tangents = normals.is_some() && self.attribute(Semantic::Tangents).is_some();
+        let corners = CornersHave { set: &has_set, tangents: has_tangents };
+        let made = materials.surface(material, colour, corners, &self.place(), scene)?;
         let texture_coordinates = match &made.layout {
             Some(layout) => self.texture_coordinates(layout, count, &mut has_all_numbers)?,
             None => None,
+        };
+        let takes_tangents = match made.surface {
+            Surface::Of(id) => scene.materials[id.0 as usize].takes_tangents(),
+            Surface::Nothing => false,
+        };
+        let tangents = match takes_tangents && has_tangents {
+            true => self.tangents(count, &mut has_all_numbers)?,
+            false => None,
         };
         lacks.numbers += usize::from(!has_all_numbers);
         let geometry = Geometry {
@@ -151,6 +161,7 @@ impl Primitive<'_, '_> {
             normals,
             texture_coordinates,
             colours,
+            tangents,
             triangles,
             is_joined: mode == Mode::TriangleStrip,
         };
@@ -171,6 +182,26 @@ impl Primitive<'_, '_> {
         };
         let normals = self.vectors::<3>(accessor, "NORMAL", count)?;
         Ok(Some(normals.into_iter().map(usable).collect()))
+    }
+
+    /// The tangents of its vertices, if it has any. One that is no vector is zero, and is noted.
+    fn tangents(
+        &self,
+        count: usize,
+        has_all_numbers: &mut bool,
+    ) -> Result<Option<Vec<Vec4>>, SceneError> {
+        let Some(accessor) = self.attribute(Semantic::Tangents) else { return Ok(None) };
+        let usable = |[x, y, z, side]: [f32; 4]| {
+            let along = Vec3::new(x, y, z);
+            *has_all_numbers &= along.is_finite() && !side.is_nan();
+            let along = if along.is_finite() { along.normalize_or_zero() } else { Vec3::ZERO };
+            if along == Vec3::ZERO {
+                return Vec4::ZERO;
+            }
+            along.extend(if side < 0.0 { -1.0 } else { 1.0 })
+        };
+        let tangents = self.vectors::<4>(accessor, "TANGENT", count)?;
+        Ok(Some(tangents.into_iter().map(usable).collect()))
     }
 
     /// The texture coordinates of its vertices, if it has any, in a layout. Some that are no

@@ -12,6 +12,7 @@ mod material;
 mod names;
 mod parts;
 mod remarks;
+mod surfaces;
 mod transform;
 mod values;
 mod wrong_kind;
@@ -20,6 +21,7 @@ use self::choice::MaterialChoice;
 use self::format::{FileMesh, Normals, SceneFile};
 use self::names::Names;
 use self::parts::{Parts, Places};
+use self::surfaces::Sources;
 use super::bounds;
 use super::description::{DARK, Scene};
 use super::error::SceneError;
@@ -72,9 +74,9 @@ pub(super) fn load(
     scene.background = file.background;
     let mut pictures = Pictures::new(options);
     for LoadedObj { rules, path, text, obj } in &meshes {
-        let files = (path.as_path(), text.as_slice());
+        let sources = Sources { file: &file, rules, names, obj_path: path };
         let places = Places { origin, keeps_instances };
-        let mut parts = Parts::new(&file, rules, names, files, places, options, pictures);
+        let mut parts = Parts::new(sources, text, places, options, pictures);
         parts.read_libraries(obj, &mut scene)?;
         for part in &obj.parts {
             parts.add(part, &mut scene)?;

@@ -72,6 +72,7 @@ impl Part {
         let colour = |corner: usize| self.colour(indices[corner] as usize);
         Mesh {
             material,
+            tangents: None,
             colours: self
                 .has_colours()
                 .then(|| triangles.iter().map(|corners| corners.map(colour)).collect()),

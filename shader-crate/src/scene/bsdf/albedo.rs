@@ -43,8 +43,8 @@ pub struct AlbedoView<'a> {
 impl AlbedoView<'_> {
     /// The albedo under a `cosine`, both in [0, 1].
     pub fn directional(&self, roughness: f32, cosine: f32) -> Vec2 {
-        let (lower, share) = cell(roughness);
-        let (column, along) = cell(cosine.sqrt());
+        let (lower, share) = cell(roughness, SIDE);
+        let (column, along) = cell(cosine.sqrt(), SIDE);
         let row = self.first + lower * ROWS_PER_ROUGHNESS + column;
         let below = between(at(self.rows, row), along);
         below.lerp(between(at(self.rows, row + ROWS_PER_ROUGHNESS), along), share)
@@ -52,20 +52,21 @@ impl AlbedoView<'_> {
 
     /// The mean albedo of a `roughness` in [0, 1].
     pub fn mean(&self, roughness: f32) -> Vec2 {
-        let (lower, share) = cell(roughness);
+        let (lower, share) = cell(roughness, SIDE);
         between(at(self.rows, self.first + SIDE * ROWS_PER_ROUGHNESS + lower), share)
     }
 }
 
-/// Which pair of neighbours `x` in [0, 1] lies between, and where.
-fn cell(x: f32) -> (u32, f32) {
+/// Which pair of neighbours, of `count` from 0 to 1, `x` in [0, 1] lies between, and where.
+pub(super) fn cell(x: f32, count: u32) -> (u32, f32) {
     // `abs` changes nothing. It keeps the factor from being joined with that of `x`.
-    let place = x.abs() * (SIDE - 1) as f32;
-    let lower = (place as u32).min(SIDE - 2);
+    let place = x.abs() * (count - 1) as f32;
+    let lower = (place as u32).min(count - 2);
     (lower, place - lower as f32)
 }
 
-fn between(row: UVec4, share: f32) -> Vec2 {
+/// What lies between the two neighbours of a row.
+pub(super) fn between(row: UVec4, share: f32) -> Vec2 {
     let low = Vec2::new(f32::from_bits(row.x), f32::from_bits(row.y));
     low.lerp(Vec2::new(f32::from_bits(row.z), f32::from_bits(row.w)), share)
 }

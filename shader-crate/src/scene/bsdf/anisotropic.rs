@@ -6,6 +6,7 @@
 //! two terms of [`super::albedo`], a row for two neighbouring cosines; then for each strength the
 //! means over the cosine-weighted hemisphere, a row for two neighbouring roughnesses.
 
+use super::albedo::{between, cell};
 use super::ggx::{Ggx, sample_visible};
 use crate::glam::{UVec4, Vec2, Vec3};
 use crate::math::elementary::pow;
@@ -124,17 +125,4 @@ impl AnisotropicAlbedos<'_> {
         let weaker = between(at(self.rows, row), rough_share);
         weaker.lerp(between(at(self.rows, row + ROUGHNESSES - 1), rough_share), strong_share)
     }
-}
-
-/// Which pair of neighbours of `count` from 0 to 1 `x` in [0, 1] lies between, and where.
-fn cell(x: f32, count: u32) -> (u32, f32) {
-    // `abs` changes nothing. It keeps the factor from being joined with that of `x`.
-    let place = x.abs() * (count - 1) as f32;
-    let lower = (place as u32).min(count - 2);
-    (lower, place - lower as f32)
-}
-
-fn between(row: UVec4, share: f32) -> Vec2 {
-    let low = Vec2::new(f32::from_bits(row.x), f32::from_bits(row.y));
-    low.lerp(Vec2::new(f32::from_bits(row.z), f32::from_bits(row.w)), share)
 }
