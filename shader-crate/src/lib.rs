@@ -10,6 +10,7 @@
 //! film is wrong, and an [`allocator`] spends the next samples there. After the last of them a
 //! [`reconstruction`] takes noise out of the picture.
 #![no_std]
+#![cfg_attr(target_arch = "spirv", feature(asm_experimental_arch))]
 
 #[cfg(not(target_arch = "spirv"))]
 extern crate std;

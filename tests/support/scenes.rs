@@ -179,7 +179,7 @@ pub fn drink() -> Scene {
 
 /// The [`room`] whose block and whose ball of `ball`'s material are instances: turned, stretched and
 /// mirrored, several of each. The balls are of few triangles, smooth by their normals, and have a
-/// map of normals and a grain if `ball` is principled.
+/// map of normals and a grain along tangents of their own if `ball` is principled.
 pub fn instanced(ball: Material) -> Scene {
     let mut scene = room(ball, 1.0);
     let mut round = scene.meshes.pop().expect("there is a ball");
@@ -201,6 +201,9 @@ pub fn instanced(ball: Material) -> Scene {
     let uv = |p: Vec3| Vec2::new(p.x + 0.3 * p.z, p.y);
     let coordinates = (0..round.triangles.len()).map(|index| round.corners(index).map(uv));
     round.texture_coordinates = Some(coordinates.collect());
+    let along = |p: Vec3| (Vec3::new(0.3, 1.0, 0.2).cross(p) + 0.4 * p).normalize().extend(1.0);
+    let tangents = (0..round.triangles.len()).map(|index| round.corners(index).map(along));
+    round.tangents = Some(tangents.collect());
     let [round, block] = [round, block].map(|mesh| scene.add_shape(mesh));
     let at = |scale: [f64; 3], angle: f64, place: [f64; 3]| {
         DAffine3::from_scale_rotation_translation(

@@ -30,9 +30,9 @@ pub struct Digest {
 /// What a device computes of a scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Digests {
-    /// SHA-256 of all that the device knows of the scene. The host has prepared it, of skies by
-    /// functions of the system's, whose last bits are not everywhere the same: only of scenes with
-    /// the same digest do all devices compute the same.
+    /// SHA-256 of all that the device knows of the scene. The host has prepared it, and on another
+    /// system its last bits may differ: only of scenes with the same digest do all devices compute
+    /// the same.
     pub scene: String,
     /// What was written, in the order of the launches.
     pub written: Vec<Digest>,

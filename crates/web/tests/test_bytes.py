@@ -41,7 +41,7 @@ def test_every_kernel_writes_the_same_bytes_in_the_browser(visit):
 
 @pytest.mark.parametrize("scene", ["cornell_ball", "cornell_glass"])
 def test_stream_contributions_and_film_are_the_same_in_the_browser(visit, scene):
-    """Of scenes, too, whose bytes differ in places between the two, by functions of the system's."""
+    """Of scenes, too, whose prepared bytes differ in places between the two."""
     wanted = {"slots", "contributions", "film", "estimates", "errors", "weights", "starts"}
     here, there = visit().tab.evaluate(ASK, {"ask": "digests", "scene": scene}), native(scene)
     here, there = ([one for one in all["written"] if one["binding"] in wanted] for all in (here, there))

@@ -106,29 +106,28 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
     #[inline(always)]
     pub(super) fn attributes(&self, index: u32, instance: u32) -> Attributes {
         let rows = four_rows(self.rows, self.first_attributes + index * Attributes::ROWS);
-        self.placed(Attributes::from_rows(rows), instance)
+        let attributes = Attributes::from_rows(rows);
+        if self.abilities.has(INSTANCES) && instance != NO_INSTANCE {
+            return self.bvh.instances().attributes(instance, &attributes);
+        }
+        attributes
     }
 
     /// The same for `hit`, with the tangent there.
     #[inline(always)]
     pub(super) fn attributes_at(&self, index: u32, instance: u32, hit: &Hit) -> Attributes {
-        let rows = four_rows(self.rows, self.first_attributes + index * Attributes::ROWS);
-        let mut attributes = Attributes::from_rows(rows);
+        let mut attributes = self.attributes(index, instance);
         if self.abilities.has(TANGENTS) && self.first_tangents != NO_TANGENTS {
             let row = at(self.rows, self.first_tangents + index * Tangents::ROWS);
-            let tangent = Tangents::from_rows([row]).at(hit);
+            let mut tangents = Tangents::from_rows([row]);
+            if self.abilities.has(INSTANCES) && instance != NO_INSTANCE {
+                // Not what is between them: an instance may stretch its shape.
+                tangents = self.bvh.instances().tangents(instance, &tangents);
+            }
+            let tangent = tangents.at(hit);
             if tangent != NO_TANGENT {
                 attributes.tangent = tangent;
             }
-        }
-        self.placed(attributes, instance)
-    }
-
-    /// Attributes of a shape as they are in the world where an instance, or none, places them.
-    #[inline(always)]
-    fn placed(&self, attributes: Attributes, instance: u32) -> Attributes {
-        if self.abilities.has(INSTANCES) && instance != NO_INSTANCE {
-            return self.bvh.instances().attributes(instance, &attributes);
         }
         attributes
     }

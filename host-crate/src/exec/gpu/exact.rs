@@ -3,6 +3,7 @@
 //!
 //! [`raystream_shaders::math::exact`] has the functions and says what for.
 
+use super::float_controls::FloatControls;
 use raystream_shaders::math::exact::{CALLED, Function};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Capability, Decoration, ExecutionMode, GlslStd450Op, Op};
@@ -26,11 +27,16 @@ pub enum Rounding {
 const ESTIMATED: [Function; 4] =
     [Function::Quotient, Function::Root, Function::FusedQuotient, Function::FusedRoot];
 
-/// Makes `module`, of all kernels, exact; with quotients and roots by `fma` if `fused`.
+/// Makes `module`, of all kernels, exact; with quotients and roots by `fma` if `fused`, for a device
+/// that has these float controls.
 ///
 /// # Errors
 /// What in it has no exact counterpart.
-pub fn make_exact(module: &mut Module, fused: bool) -> Result<(), String> {
+pub fn make_exact(
+    module: &mut Module,
+    fused: bool,
+    float_controls: FloatControls,
+) -> Result<(), String> {
     let mut calls = Calls::of(module, fused)?;
     let mut kept_apart = Vec::new();
     for function in &mut module.functions {
@@ -54,17 +60,20 @@ pub fn make_exact(module: &mut Module, fused: bool) -> Result<(), String> {
     if let Some(header) = &mut module.header {
         header.bound = calls.next_id;
     }
-    control_floats(module);
+    control_floats(module, float_controls);
     Ok(())
 }
 
-/// Asks for sums and products rounded to the nearest number, and for zeros that keep their signs:
-/// the float controls that Vulkan 1.2 has.
-fn control_floats(module: &mut Module) {
-    let controls = [
+/// Asks for sums and products rounded to the nearest number, for zeros that keep their signs, and
+/// for subnormal numbers where the device has them: float controls of Vulkan 1.2.
+fn control_floats(module: &mut Module, float_controls: FloatControls) {
+    let mut controls = vec![
         (Capability::RoundingModeRTE, ExecutionMode::RoundingModeRTE),
         (Capability::SignedZeroInfNanPreserve, ExecutionMode::SignedZeroInfNanPreserve),
     ];
+    if float_controls.keeps_subnormals {
+        controls.push((Capability::DenormPreserve, ExecutionMode::DenormPreserve));
+    }
     let name = Operand::LiteralString("SPV_KHR_float_controls".into());
     module.extensions.push(Instruction::new(Op::Extension, None, None, vec![name]));
     for (capability, mode) in controls {
@@ -256,7 +265,7 @@ mod tests {
         let others = |module: &Module| count(module, |i| matches!(stands_for(i), Ok(Some((_, 2)))));
         let before = [divisions(&module), others(&module)];
         let functions = Calls::of(&module, false).unwrap();
-        make_exact(&mut module, false).unwrap();
+        make_exact(&mut module, false, FloatControls::default()).unwrap();
         let estimates = module.functions.iter().filter(|function| {
             ESTIMATED.iter().any(|&of| function.def_id() == Some(functions.id(of)))
         });
@@ -272,7 +281,7 @@ mod tests {
     #[test]
     fn nothing_that_is_rounded_may_be_fused() {
         let mut module = module();
-        make_exact(&mut module, false).unwrap();
+        make_exact(&mut module, false, FloatControls::default()).unwrap();
         let rounded = count(&module, |i| is_rounded(i.class.opcode));
         let contraction = Operand::Decoration(Decoration::NoContraction);
         let apart = module.annotations.iter().filter(|about| about.operands.contains(&contraction));
@@ -290,6 +299,8 @@ mod tests {
             .unwrap();
         let Instruction { result_type, result_id, ref operands, .. } = *division;
         *division = Instruction::new(Op::FRem, result_type, result_id, operands.clone());
-        assert!(make_exact(&mut module, false).unwrap_err().contains("FRem"));
+        assert!(
+            make_exact(&mut module, false, FloatControls::default()).unwrap_err().contains("FRem")
+        );
     }
 }

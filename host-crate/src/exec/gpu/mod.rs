@@ -3,6 +3,7 @@
 mod adapters;
 mod clock;
 mod exact;
+mod float_controls;
 mod pipelines;
 mod spirv;
 
@@ -14,6 +15,7 @@ use super::{ExecError, Executor, Kernel, Launch, Limits, kernels};
 use crate::clock::Instant;
 use clock::Clock;
 use exact::Rounding;
+use float_controls::FloatControls;
 use pipelines::{Pipeline, Pipelines};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -76,7 +78,9 @@ impl GpuExecutor {
 
         let unsuitable = |reason| ExecError::Unsuitable { device: name.clone(), reason };
         let rounding = if exact { Rounding::ByFma } else { Rounding::OfDriver };
-        let pipelines = Pipelines::new(device.clone(), path, rounding).map_err(unsuitable)?;
+        let controls = FloatControls::of(adapter);
+        let pipelines = Pipelines::new(device.clone(), path, rounding, controls);
+        let pipelines = pipelines.map_err(unsuitable)?;
         let mut executor = Self {
             name,
             pipelines,
@@ -90,7 +94,7 @@ impl GpuExecutor {
             queue,
         };
         if exact {
-            executor.find_exact(path)?;
+            executor.find_exact(path, controls)?;
         }
         executor.compile(0, |kernel| !kernel.has_scene())?;
         Ok(executor)
@@ -98,14 +102,15 @@ impl GpuExecutor {
 
     /// Keeps the kernels by `fma` if they compute what the CPU does, or else takes those by
     /// integers.
-    fn find_exact(&mut self, path: ShaderPath) -> Result<(), ExecError> {
+    fn find_exact(&mut self, path: ShaderPath, controls: FloatControls) -> Result<(), ExecError> {
         let fast = self.name.clone();
         let unsuitable = |reason| ExecError::Unsuitable { device: fast.clone(), reason };
         self.name = format!("{fast}, exact");
         if Arithmetic::of(self)?.check().is_ok() {
             return Ok(());
         }
-        let pipelines = Pipelines::new(self.device.clone(), path, Rounding::ByIntegers);
+        let rounding = Rounding::ByIntegers;
+        let pipelines = Pipelines::new(self.device.clone(), path, rounding, controls);
         self.pipelines = pipelines.map_err(unsuitable)?;
         Arithmetic::of(self)?.check().map_err(unsuitable)
     }

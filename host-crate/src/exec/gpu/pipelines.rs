@@ -1,6 +1,7 @@
 //! The kernels as the driver gets them.
 
 use super::exact::Rounding;
+use super::float_controls::FloatControls;
 use super::spirv;
 use crate::exec::kernels::SPIRV;
 use crate::exec::{Access, Kernel};
@@ -32,9 +33,14 @@ impl Pipelines {
     ///
     /// # Errors
     /// Why it cannot be read, or what of it cannot be exact.
-    pub fn new(device: wgpu::Device, path: ShaderPath, rounding: Rounding) -> Result<Self, String> {
+    pub fn new(
+        device: wgpu::Device,
+        path: ShaderPath,
+        rounding: Rounding,
+        float_controls: FloatControls,
+    ) -> Result<Self, String> {
         let words = bytemuck::pod_collect_to_vec::<u8, u32>(SPIRV);
-        let kernels = spirv::Kernels::parse(&words, rounding)?;
+        let kernels = spirv::Kernels::parse(&words, rounding, float_controls)?;
         Ok(Self { device, path, kernels, compiled: Mutex::default() })
     }
 

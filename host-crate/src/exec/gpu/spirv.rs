@@ -10,6 +10,7 @@
 //! compiler on the way, naga too, knows the branches that are dead.
 
 use super::exact::{Rounding, make_exact};
+use super::float_controls::FloatControls;
 use raystream_shaders::scene::abilities::ABILITIES;
 use rspirv::binary::Assemble;
 use rspirv::dr::{Function, Instruction, Module, Operand, load_words};
@@ -24,14 +25,19 @@ pub struct Kernels {
 }
 
 impl Kernels {
-    /// Takes `words` apart, and makes what they compute [exact](super::exact) if it is to be.
+    /// Takes `words` apart, and makes what they compute [exact](super::exact) if it is to be,
+    /// for a device that has these float controls.
     ///
     /// # Errors
     /// Why they are no SPIR-V, or what of them cannot be exact.
-    pub fn parse(words: &[u32], rounding: Rounding) -> Result<Self, String> {
+    pub fn parse(
+        words: &[u32],
+        rounding: Rounding,
+        float_controls: FloatControls,
+    ) -> Result<Self, String> {
         let mut module = load_words(words).map_err(|error| format!("its kernels: {error}"))?;
         if rounding != Rounding::OfDriver {
-            make_exact(&mut module, rounding == Rounding::ByFma)?;
+            make_exact(&mut module, rounding == Rounding::ByFma, float_controls)?;
         }
         let functions = module.functions.iter().enumerate();
         let functions = functions.filter_map(|(place, f)| Some((f.def_id()?, place))).collect();
@@ -160,7 +166,8 @@ mod tests {
     use crate::exec::kernels::{SPIRV, table};
 
     fn kernels() -> Kernels {
-        Kernels::parse(&bytemuck::pod_collect_to_vec(SPIRV), Rounding::OfDriver).unwrap()
+        let words = bytemuck::pod_collect_to_vec(SPIRV);
+        Kernels::parse(&words, Rounding::OfDriver, FloatControls::default()).unwrap()
     }
 
     #[test]

@@ -5,13 +5,13 @@
 use spirv_std::num_traits::Float as _;
 
 /// Bits of a number after the leading one of its mantissa.
-const FRACTION_BITS: u32 = 23;
+pub(super) const FRACTION_BITS: u32 = 23;
 /// Those bits.
-const FRACTION: u32 = (1 << FRACTION_BITS) - 1;
+pub(super) const FRACTION: u32 = (1 << FRACTION_BITS) - 1;
 /// The leading one, which is not stored.
 const LEADING: u32 = 1 << FRACTION_BITS;
 /// The sign.
-const SIGN: u32 = 1 << 31;
+pub(super) const SIGN: u32 = 1 << 31;
 /// The exponent of 1, as it is stored.
 const BIAS: i32 = 127;
 /// The exponent of infinities and of what is no number, as it is stored.
@@ -40,7 +40,7 @@ pub fn divide(a: f32, b: f32) -> f32 {
         let exponent = difference + BIAS - 1 - i32::from(quotient.is_doubled);
         (a ^ b) & SIGN | (((exponent as u32) << FRACTION_BITS) + quotient.rounded)
     } else {
-        divide_any(a, b)
+        divide_any(a, b, mantissas_quotient)
     })
 }
 
@@ -49,18 +49,23 @@ pub fn divide(a: f32, b: f32) -> f32 {
 /// The device's root of the mantissa may be off by as much as 8 units in its last place.
 #[cfg_attr(target_arch = "spirv", inline(never))]
 pub fn square_root(a: f32) -> f32 {
-    let a = a.to_bits();
-    let stored = exponent(a);
-    f32::from_bits(if is_exponent(stored) && a & SIGN == 0 {
-        root(mantissa(a), stored)
-    } else if a << 1 == 0 || a == INFINITE {
-        a
-    } else if a & SIGN == 0 && stored == 0 {
-        let (mantissa, exponent) = normalised(a & FRACTION);
-        root(mantissa, exponent)
-    } else {
-        NO_NUMBER
-    })
+    f32::from_bits(root_any(a.to_bits(), |mantissa, doublings| {
+        let estimate = (unit(mantissa) * (1 + doublings) as f32).sqrt();
+        refine_root(mantissa, doublings, estimate)
+    }))
+}
+
+/// [`square_root`] for bits of any kind, by the root of `mantissa 2^(23 + doublings)`.
+pub(super) fn root_any(a: u32, mantissas_root: impl Fn(u32, u32) -> u32) -> u32 {
+    let normal = normalised(a & !SIGN);
+    // An even exponent is halved exactly.
+    let unbiased = (normal >> FRACTION_BITS) - BIAS;
+    let is_odd = unbiased & 1;
+    let exponent = ((unbiased - is_odd) >> 1) + BIAS - 1;
+    let root = mantissas_root(mantissa(normal as u32), is_odd as u32);
+    let root = ((exponent as u32) << FRACTION_BITS).wrapping_add(root);
+    let root = select(a > INFINITE, NO_NUMBER, root);
+    select((a << 1 == 0) | (a == INFINITE), a, root)
 }
 
 /// A stored exponent.
@@ -74,30 +79,38 @@ fn is_exponent(stored: i32) -> bool {
 }
 
 /// The mantissa of an ordinary number, of 24 bits.
-fn mantissa(bits: u32) -> u32 {
+pub(super) fn mantissa(bits: u32) -> u32 {
     bits & FRACTION | LEADING
 }
 
 /// A mantissa as a number in [1, 2).
-fn unit(mantissa: u32) -> f32 {
+pub(super) fn unit(mantissa: u32) -> f32 {
     f32::from_bits(mantissa & FRACTION | ONE)
 }
 
-/// The mantissa of 24 bits of a subnormal number that is not zero, and the exponent that would be
-/// stored with it, of at most 0.
-fn normalised(fraction: u32) -> (u32, i32) {
-    let shift = fraction.leading_zeros() - (31 - FRACTION_BITS);
-    (fraction << shift, 1 - shift as i32)
+/// The bits of a number without its sign as if exponents had no end below: a subnormal number has
+/// its leading one, and an exponent of 0 or less. Zero has one that is less still.
+fn normalised(bits: u32) -> i32 {
+    // Units of subnormal numbers, of 2^-149.
+    let units = (bits & FRACTION) as f32;
+    let subnormal = units.to_bits() as i32 - (149 << FRACTION_BITS);
+    select(bits < LEADING, subnormal as u32, bits) as i32
+}
+
+/// `yes` if `is` and `no` if not, without a branch: these are inlined wherever kernels divide.
+fn select(is: bool, yes: u32, no: u32) -> u32 {
+    let mask = 0u32.wrapping_sub(u32::from(is));
+    yes & mask | no & !mask
 }
 
 /// The quotient of two mantissas, doubled where it is below 1.
-struct MantissaQuotient {
+pub(super) struct MantissaQuotient {
     /// It times 2^23, to the nearest integer: from 2^23 up to 2^24.
-    rounded: u32,
+    pub rounded: u32,
     /// What that lacks, times the divisor: at most half of the divisor.
-    remainder: i32,
+    pub remainder: i32,
     /// Whether it is doubled.
-    is_doubled: bool,
+    pub is_doubled: bool,
 }
 
 /// See [`MantissaQuotient`].
@@ -140,58 +153,39 @@ fn nearest(x: f32) -> i32 {
     (x + MAGIC).to_bits().wrapping_sub(MAGIC.to_bits()) as i32
 }
 
-/// [`divide`] for bits of any kind.
-fn divide_any(a: u32, b: u32) -> u32 {
+/// [`divide`] for bits of any kind, by the quotient of two mantissas.
+pub(super) fn divide_any(
+    a: u32,
+    b: u32,
+    mantissas_quotient: impl Fn(u32, u32) -> MantissaQuotient,
+) -> u32 {
     let sign = (a ^ b) & SIGN;
     let (a, b) = (a & !SIGN, b & !SIGN);
-    if a > INFINITE || b > INFINITE || (a == INFINITE && b == INFINITE) || (a == 0 && b == 0) {
-        NO_NUMBER
-    } else if a == INFINITE || b == 0 {
-        sign | INFINITE
-    } else if b == INFINITE || a == 0 {
-        sign
-    } else {
-        let (mantissa_a, exponent_a) = any_mantissa(a);
-        let (mantissa_b, exponent_b) = any_mantissa(b);
-        let quotient = mantissas_quotient(mantissa_a, mantissa_b);
-        let exponent = exponent_a - exponent_b + BIAS - i32::from(quotient.is_doubled);
-        sign | if exponent >= SPECIAL {
-            INFINITE
-        } else if exponent > 0 {
-            // It may round up to a power of two, and so to infinity.
-            ((exponent as u32 - 1) << FRACTION_BITS) + quotient.rounded
-        } else {
-            subnormal(&quotient, (1 - exponent) as u32)
-        }
-    }
-}
-
-/// Mantissa and exponent of a number that is not zero, infinite, or no number.
-fn any_mantissa(bits: u32) -> (u32, i32) {
-    if exponent(bits) > 0 { (mantissa(bits), exponent(bits)) } else { normalised(bits & FRACTION) }
+    let (normal_a, normal_b) = (normalised(a), normalised(b));
+    let quotient = mantissas_quotient(mantissa(normal_a as u32), mantissa(normal_b as u32));
+    let difference = (normal_a >> FRACTION_BITS) - (normal_b >> FRACTION_BITS);
+    let exponent = difference + BIAS - i32::from(quotient.is_doubled);
+    // It may round up to a power of two, and so to infinity.
+    let ordinary =
+        ((exponent as u32).wrapping_sub(1) << FRACTION_BITS).wrapping_add(quotient.rounded);
+    let result = select(exponent > 0, ordinary, subnormal(&quotient, 1 - exponent));
+    let result = select((a == 0) | (b == INFINITE), 0, result);
+    let is_infinite = (exponent >= SPECIAL) | (b == 0) | (a == INFINITE);
+    let result = sign | select(is_infinite, INFINITE, result);
+    let is_none = (a == b) & ((a == 0) | (a == INFINITE));
+    select(is_none | (a > INFINITE) | (b > INFINITE), NO_NUMBER, result)
 }
 
 /// The bits of a quotient that is halved `shift` times to be subnormal, rounded to even from the
 /// quotient itself. It may round up to the smallest ordinary number.
-fn subnormal(quotient: &MantissaQuotient, shift: u32) -> u32 {
-    if shift > FRACTION_BITS + 2 {
-        return 0;
-    }
+fn subnormal(quotient: &MantissaQuotient, shift: i32) -> u32 {
+    // Those that lose more have nothing left.
+    let shift = shift.max(1).min(27) as u32;
     let below = quotient.rounded - u32::from(quotient.remainder < 0);
-    let is_inexact = quotient.remainder != 0;
-    let (kept, lost) = (below >> shift, below & ((1 << shift) - 1));
-    let half = 1 << (shift - 1);
-    let rounds_up = lost > half || (lost == half && (is_inexact || kept & 1 == 1));
-    kept + u32::from(rounds_up)
-}
-
-/// The bits of the root of a number of this mantissa and stored exponent.
-fn root(mantissa: u32, stored: i32) -> u32 {
-    // An even exponent is halved exactly.
-    let is_odd = (stored - BIAS) & 1;
-    let estimate = (unit(mantissa) * (1 + is_odd) as f32).sqrt();
-    let half = (stored - BIAS - is_odd) >> 1;
-    (((half + BIAS - 1) as u32) << FRACTION_BITS) + refine_root(mantissa, is_odd as u32, estimate)
+    // A last bit says that there is more.
+    let doubled = below << 1 | u32::from(quotient.remainder != 0);
+    let is_odd = doubled >> (shift + 1) & 1;
+    (doubled + (1 << shift) - 1 + is_odd) >> (shift + 1)
 }
 
 /// The root of `mantissa 2^(23 + doublings)` to the nearest integer, from 2^23 up to 2^24, by an

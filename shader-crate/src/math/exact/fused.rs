@@ -5,7 +5,9 @@
 //! Journal of Research and Development 34(1), 1990: what an estimate leaves is exact in one `fma`,
 //! and another one adds what it comes to, rounded once.
 
-use super::arithmetic;
+use super::arithmetic::{
+    FRACTION, FRACTION_BITS, MantissaQuotient, SIGN, divide_any, mantissa, root_any, unit,
+};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -15,20 +17,24 @@ const FIRST: u32 = 64;
 /// So many of them.
 const COUNT: u32 = 126;
 
-/// [`arithmetic::divide`] where `fma` rounds once.
+/// [`divide`](super::divide) where `fma` rounds once.
 #[cfg_attr(target_arch = "spirv", inline(never))]
 pub fn divide_fused(a: f32, b: f32) -> f32 {
-    if is_moderate(a) && is_moderate(b) {
-        quotient(a, b, 1.0 / b)
+    if is_moderate(a) & is_moderate(b) {
+        quotient(a, b, reciprocal(b))
     } else {
-        arithmetic::divide(a, b)
+        f32::from_bits(divide_any(a.to_bits(), b.to_bits(), mantissas_quotient))
     }
 }
 
-/// [`arithmetic::square_root`] where `fma` rounds once.
+/// [`square_root`](super::square_root) where `fma` rounds once.
 #[cfg_attr(target_arch = "spirv", inline(never))]
 pub fn square_root_fused(a: f32) -> f32 {
-    if is_moderate(a) && a > 0.0 { root(a, a.sqrt()) } else { arithmetic::square_root(a) }
+    if is_moderate(a) & (a > 0.0) {
+        root(a, inverse_root(a))
+    } else {
+        f32::from_bits(root_any(a.to_bits(), mantissas_root))
+    }
 }
 
 fn is_moderate(x: f32) -> bool {
@@ -36,24 +42,76 @@ fn is_moderate(x: f32) -> bool {
 }
 
 /// `a / b` from an estimate of `1 / b`.
-fn quotient(a: f32, b: f32, reciprocal: f32) -> f32 {
-    let reciprocal = (-b).mul_add(reciprocal, 1.0).mul_add(reciprocal, reciprocal);
+///
+/// It is right if the reciprocal is the nearest number. Two steps find that from any estimate, but
+/// for the largest mantissa: its reciprocal is so little above the middle of a power of two and the
+/// next number that they find the former.
+fn quotient(a: f32, b: f32, estimate: f32) -> f32 {
+    let near = (-b).mul_add(estimate, 1.0).mul_add(estimate, estimate);
+    let near = (-b).mul_add(near, 1.0).mul_add(near, near);
+    let is_largest = ((b.to_bits() & FRACTION) + 1) >> FRACTION_BITS;
+    let reciprocal = f32::from_bits(near.to_bits() | is_largest);
     let near = a * reciprocal;
     let near = (-b).mul_add(near, a).mul_add(reciprocal, near);
     (-b).mul_add(near, a).mul_add(reciprocal, near)
 }
 
-/// The root of `a` from an estimate.
-fn root(a: f32, estimate: f32) -> f32 {
-    let near = (-estimate).mul_add(estimate, a).mul_add(0.5 / estimate, estimate);
-    let remainder = (-near).mul_add(near, a);
-    // The middle between it and the number above is half a unit u away: its square is more by the
-    // root times u, but for a quarter of u^2, of which the remainder is a multiple. So below, where
-    // the unit of a power of two is half as large.
-    let unit = |bits: u32| f32::from_bits((bits & 0x7f80_0000).wrapping_sub(23 << 23));
-    let (above, below) = (near * unit(near.to_bits()), near * unit(near.to_bits() - 1));
-    let step = i32::from(remainder > above) - i32::from(remainder <= -below);
-    f32::from_bits(near.to_bits().wrapping_add(step as u32))
+/// The root of `a` from an estimate of what 1 is over it.
+fn root(a: f32, inverse: f32) -> f32 {
+    let (near, half) = (a * inverse, 0.5 * inverse);
+    let off = (-half).mul_add(near, 0.5);
+    let (near, half) = (near.mul_add(off, near), half.mul_add(off, half));
+    (-near).mul_add(near, a).mul_add(half, near)
+}
+
+/// An estimate of `1 / b`: a device's own quotient takes an H100 longer.
+fn reciprocal(b: f32) -> f32 {
+    let root = inverse_root(b.abs());
+    f32::from_bits((root * root).to_bits() | (b.to_bits() & SIGN))
+}
+
+/// The device's own `1 / sqrt(a)`.
+fn inverse_root(a: f32) -> f32 {
+    #[cfg(target_arch = "spirv")]
+    {
+        let mut inverse = 0.0;
+        // SAFETY: it computes one number from another one.
+        unsafe {
+            core::arch::asm!(
+                "%functions = OpExtInstImport \"GLSL.std.450\"",
+                "%a = OpLoad _ {a}",
+                // InverseSqrt.
+                "%inverse = OpExtInst typeof*{a} %functions 32 %a",
+                "OpStore {inverse} %inverse",
+                a = in(reg) &a,
+                inverse = in(reg) &mut inverse,
+            );
+        }
+        inverse
+    }
+    #[cfg(not(target_arch = "spirv"))]
+    {
+        1.0 / a.sqrt()
+    }
+}
+
+/// The quotient of two mantissas as [`divide_any`] takes it.
+fn mantissas_quotient(a: u32, b: u32) -> MantissaQuotient {
+    let (dividend, divisor) = (unit(a), unit(b));
+    let near = quotient(dividend, divisor, reciprocal(divisor));
+    let remainder = (-divisor).mul_add(near, dividend);
+    MantissaQuotient {
+        rounded: mantissa(near.to_bits()),
+        // Its sign is all that is wanted.
+        remainder: i32::from(remainder > 0.0) - i32::from(remainder < 0.0),
+        is_doubled: a < b,
+    }
+}
+
+/// The root of a mantissa that is doubled so often, as [`root_any`] takes it.
+fn mantissas_root(bits: u32, doublings: u32) -> u32 {
+    let a = unit(bits) * (1 + doublings) as f32;
+    mantissa(root(a, inverse_root(a)).to_bits())
 }
 
 #[cfg(test)]
@@ -71,14 +129,29 @@ mod tests {
     fn quotients_are_right_from_any_estimate_that_vulkan_allows() {
         for k in 0..200_000 {
             let [a, b] = [hash(k), hash(!k)].map(moderate);
-            for off in -3..=3 {
+            for off in -6..=6 {
                 assert_eq!(quotient(a, b, beside(1.0 / b, off)), a / b, "{a:e} / {b:e}, {off}");
             }
         }
         // Divisors whose reciprocals are hardest to round.
-        for k in 0..200_000 {
-            let [a, b] = [hash(k), 0x00ff_ffff - k % 64].map(moderate);
-            assert_eq!(quotient(a, b, 1.0 / b), a / b, "{a:e} / {b:e}");
+        for k in 0..100_000 {
+            for below in 0..64 {
+                let [a, b] = [hash(k), 0x00ff_ffff - below].map(moderate);
+                let off = (hash(!k) % 13) as i32 - 6;
+                let found = quotient(a, b, beside(1.0 / b, off));
+                assert_eq!(found, a / b, "{a:e} / {b:e}, {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn reciprocals_of_all_mantissas_are_right_from_any_estimate() {
+        for k in 0..1 << 23 {
+            let b = moderate(k);
+            for off in -6..=6 {
+                let found = quotient(1.0, b, beside(1.0 / b, off));
+                assert_eq!(found, 1.0 / b, "1 / {b:e}, {off}");
+            }
         }
     }
 
@@ -86,8 +159,12 @@ mod tests {
     fn roots_are_right_from_any_estimate_that_vulkan_allows() {
         for k in 0..1 << 24 {
             let a = moderate(k);
-            let off = (hash(k) % 11) as i32 - 5;
-            assert_eq!(root(a, beside(a.sqrt(), off)), a.sqrt(), "root of {a:e}, {off} units off");
+            let off = (hash(k) % 9) as i32 - 4;
+            assert_eq!(
+                root(a, beside(inverse_root(a), off)),
+                a.sqrt(),
+                "root of {a:e}, {off} units off"
+            );
         }
     }
 

@@ -23,7 +23,7 @@ use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::memory::access::at;
 use crate::memory::rows::{float, row, three_rows, vector};
 use crate::scene::ray::Ray;
-use crate::scene::triangle::Attributes;
+use crate::scene::triangle::{Attributes, Tangents};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -192,20 +192,33 @@ impl InstanceView<'_> {
     /// Attributes of a triangle of the shape as they are in the world.
     pub fn attributes(&self, index: u32, of_shape: &Attributes) -> Attributes {
         let inward = self.inward(index);
-        let mut tangent = of_shape.tangent;
-        if tangent != NO_TANGENT {
-            let Tangent { direction, is_mirrored } = Tangent::unpack(tangent);
-            let direction = self.outward(index).vector(direction).normalize();
-            let is_mirrored = is_mirrored != self.measures(index).is_mirrored;
-            tangent = Tangent { direction, is_mirrored }.pack();
-        }
         Attributes {
             normal0: unit(inward.transposed(of_shape.normal0)),
             normal1: unit(inward.transposed(of_shape.normal1)),
             normal2: unit(inward.transposed(of_shape.normal2)),
-            tangent,
+            tangent: self.tangent(index, of_shape.tangent),
             ..*of_shape
         }
+    }
+
+    /// The same of the tangents at a triangle's corners.
+    #[inline(always)]
+    pub fn tangents(&self, index: u32, of_shape: &Tangents) -> Tangents {
+        let [a, b, c] = of_shape.corners;
+        let corners = [self.tangent(index, a), self.tangent(index, b), self.tangent(index, c)];
+        Tangents { corners, pad: 0 }
+    }
+
+    /// The same of one tangent, packed.
+    #[inline(always)]
+    fn tangent(&self, index: u32, of_shape: u32) -> u32 {
+        if of_shape == NO_TANGENT {
+            return NO_TANGENT;
+        }
+        let Tangent { direction, is_mirrored } = Tangent::unpack(of_shape);
+        let direction = self.outward(index).vector(direction).normalize();
+        let is_mirrored = is_mirrored != self.measures(index).is_mirrored;
+        Tangent { direction, is_mirrored }.pack()
     }
 }
 
