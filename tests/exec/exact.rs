@@ -2,8 +2,9 @@
 
 use raystream::exec::arithmetic::Arithmetic;
 use raystream::exec::cpu::CpuExecutor;
+use raystream::exec::devices::OpenOptions;
 use raystream::exec::gpu::GpuExecutor;
-use raystream::exec::{Executor, Paired};
+use raystream::exec::{Device, Executor, Paired};
 use raystream::render::{Estimator, FilterKind, IntegratorKind, Sampling, Settings};
 use raystream::scene::{FilmSize, load_named};
 use raystream_shaders::math::exact::Operands;
@@ -49,6 +50,15 @@ fn whole_renders_are_the_cpus() {
         for (what, settings) in integrators.chain(estimators).chain(filters) {
             assert_same(gpu, &what, |pair| drop(render_on(pair, &prepared, &settings, 4)));
         }
+    });
+}
+
+#[test]
+fn what_naga_translates_is_refused() {
+    with_gpu(|_| {
+        let options = OpenOptions::default().with_exact(true).with_naga(true);
+        let error = Device::open_with("gpu", options).err().expect("naga fuses as it likes");
+        assert!(error.to_string().contains("naga"), "{error}");
     });
 }
 

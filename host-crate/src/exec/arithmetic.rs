@@ -6,6 +6,7 @@ use super::{Array, ExecError, Executor, kernels};
 use bytemuck::Zeroable;
 use raystream_shaders::math::exact::{CalculateParams, Operands, Results};
 use raystream_shaders::math::random::hash;
+use std::fmt;
 
 /// Operands drawn by chance: as many as show a function that is off once in some hundred times.
 const DRAWN: u32 = 4096;
@@ -27,6 +28,15 @@ pub enum Subnormals {
     Kept,
     /// They are taken for zero, at least in part.
     Flushed,
+}
+
+impl fmt::Display for Subnormals {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Kept => "it keeps subnormal numbers",
+            Self::Flushed => "it takes subnormal numbers for zero",
+        })
+    }
 }
 
 impl Arithmetic {

@@ -23,6 +23,10 @@ use std::time::Duration;
 /// Bytes that are copied between host and device at once.
 const TRANSFER_BYTES: u64 = 64 << 20;
 
+/// Why there are no exact kernels where naga translates them.
+const NOT_EXACT: &str = "exact kernels must reach the driver as SPIR-V: naga knows no way to say \
+    that a product and a sum must not be fused";
+
 /// Runs kernels on one GPU.
 pub struct GpuExecutor {
     name: String,
@@ -47,6 +51,9 @@ impl GpuExecutor {
     /// than the CPU.
     pub fn new(adapter: &wgpu::Adapter, path: ShaderPath, exact: bool) -> Result<Self, ExecError> {
         let name = adapter.get_info().name;
+        if exact && path == ShaderPath::Naga {
+            return Err(ExecError::Unsuitable { device: name, reason: NOT_EXACT.to_owned() });
+        }
         let limits = adapter.limits();
         let wanted = wgpu::Features::TIMESTAMP_QUERY
             | match path {
@@ -106,13 +113,17 @@ impl GpuExecutor {
         let fast = self.name.clone();
         let unsuitable = |reason| ExecError::Unsuitable { device: fast.clone(), reason };
         self.name = format!("{fast}, exact");
-        if Arithmetic::of(self)?.check().is_ok() {
+        let by_fma = Arithmetic::of(self)?;
+        if by_fma.check().is_ok() {
+            tracing::info!("{} divides by fma; {}", self.name, by_fma.subnormals);
             return Ok(());
         }
         let rounding = Rounding::ByIntegers;
         let pipelines = Pipelines::new(self.device.clone(), path, rounding, controls);
         self.pipelines = pipelines.map_err(unsuitable)?;
-        Arithmetic::of(self)?.check().map_err(unsuitable)
+        let by_integers = Arithmetic::of(self)?;
+        tracing::info!("{} divides by integers; {}", self.name, by_integers.subnormals);
+        by_integers.check().map_err(unsuitable)
     }
 
     /// Compiles those of the kernels that are `wanted`, for scenes that use `abilities`.

@@ -180,7 +180,7 @@ pub(super) fn divide_any(
 /// quotient itself. It may round up to the smallest ordinary number.
 fn subnormal(quotient: &MantissaQuotient, shift: i32) -> u32 {
     // Those that lose more have nothing left.
-    let shift = shift.max(1).min(27) as u32;
+    let shift = (shift.max(1) as u32).min(27);
     let below = quotient.rounded - u32::from(quotient.remainder < 0);
     // A last bit says that there is more.
     let doubled = below << 1 | u32::from(quotient.remainder != 0);
