@@ -31,7 +31,8 @@ export class Controls {
   fill({ scenes, allocators, estimators, integrators, filters, layers, device }) {
     this.#scenes = scenes;
     const list = (id, names, chosen) => {
-      byId(id).replaceChildren(...names.map((name) => new Option(name, name, false, name === chosen)));
+      const option = (name) => new Option(name, name, false, name === chosen);
+      byId(id).replaceChildren(...names.map(option));
     };
     list('scene', scenes.map(({ name }) => name));
     list('allocator', allocators, 'runs');

@@ -13,7 +13,8 @@ export class Engine {
   // Loads the library from an address, where it is as gzip.
   static async load(address) {
     const state = { memory: null };
-    const text = (first, bytes) => decoder.decode(new Uint8Array(state.memory.buffer, first, bytes));
+    const text = (first, bytes) =>
+      decoder.decode(new Uint8Array(state.memory.buffer, first, bytes));
     const imports = {
       raystream: {
         now: () => performance.now(),

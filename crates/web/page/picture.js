@@ -24,7 +24,8 @@ export class Picture {
   }
 
   showPixel(rows) {
-    const entries = rows.flatMap(([name, value]) => [element('dt', {}, name), element('dd', {}, value)]);
+    const entry = ([name, value]) => [element('dt', {}, name), element('dd', {}, value)];
+    const entries = rows.flatMap(entry);
     byId('pixel').replaceChildren(...entries);
   }
 
@@ -43,7 +44,8 @@ export function paint(canvas, width, height, pixels) {
   if (canvas.width !== width || canvas.height !== height) {
     [canvas.width, canvas.height] = [width, height];
   }
-  canvas.getContext('2d', { willReadFrequently: true }).putImageData(new ImageData(pixels, width, height), 0, 0);
+  const context = canvas.getContext('2d', { willReadFrequently: true });
+  context.putImageData(new ImageData(pixels, width, height), 0, 0);
 }
 
 // Shows which colours stand for which numbers; hides the place where there are none.

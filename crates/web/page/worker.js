@@ -90,10 +90,12 @@ const does = {
 function joined(message) {
   while (message.kind === 'move' && waiting[0]?.kind === 'move') {
     const { motion, number } = waiting.shift();
-    const sum = (key) => [0, 1].map((i) => (message.motion[key]?.[i] ?? 0) + (motion[key]?.[i] ?? 0));
+    const [before, after] = [message.motion, motion];
+    const sum = (key) => [0, 1].map((i) => (before[key]?.[i] ?? 0) + (after[key]?.[i] ?? 0));
     const zoom = (message.motion.zoom ?? 1) * (motion.zoom ?? 1);
     const reset = Boolean(message.motion.reset || motion.reset);
-    message = { kind: 'move', number, motion: { orbit: sum('orbit'), pan: sum('pan'), zoom, reset } };
+    const both = { orbit: sum('orbit'), pan: sum('pan'), zoom, reset };
+    message = { kind: 'move', number, motion: both };
   }
   return message;
 }

@@ -1,7 +1,7 @@
 //! Raystream's page in the browser.
 //!
 //! The library is compiled to WebAssembly and runs in a worker of the page. [`page`] is what the
-//! page shows, as a plain struct; [`ask`] is what the page can ask it, and what it answers, as JSON;
+//! page shows, as a plain struct; [`ask`] is what the page can ask it and what it answers, as JSON;
 //! `exports` is the surface that JavaScript sees, and exists in WebAssembly alone. [`recording`]
 //! keeps what each kernel of a round wrote, from which [`digests`] shows that browser and native
 //! program compute the same bytes.

@@ -1,6 +1,6 @@
 """The page in a real browser, served as `cargo page` serves it.
 
-Before: `cargo page --no-serve` and `cargo build --release --package raystream-web --example digests`.
+Before: `cargo page --no-serve` and `cargo build --release -p raystream-web --example digests`.
 CHROMIUM names another browser than Debian's, SCREENSHOTS a folder to write screenshots to.
 """
 

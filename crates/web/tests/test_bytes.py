@@ -28,7 +28,8 @@ def native(scene):
 
 def test_every_kernel_writes_the_same_bytes_in_the_browser(visit):
     """All that all kernels of five renders write, of a scene that the host prepares alike."""
-    here, there = visit().tab.evaluate(ASK, {"ask": "digests", "scene": "opening"}), native("opening")
+    here = visit().tab.evaluate(ASK, {"ask": "digests", "scene": "opening"})
+    there = native("opening")
     assert here["scene"] == there["scene"], "the device is given the same scene"
     here, there = here["written"], there["written"]
     assert [(a, b) for a, b in zip(here, there) if a != b] == []
@@ -44,7 +45,8 @@ def test_stream_contributions_and_film_are_the_same_in_the_browser(visit, scene)
     """Of scenes, too, whose prepared bytes differ in places between the two."""
     wanted = {"slots", "contributions", "film", "estimates", "errors", "weights", "starts"}
     here, there = visit().tab.evaluate(ASK, {"ask": "digests", "scene": scene}), native(scene)
-    here, there = ([one for one in all["written"] if one["binding"] in wanted] for all in (here, there))
+    both = [[one for one in all["written"] if one["binding"] in wanted] for all in (here, there)]
+    here, there = both
     assert {digest["binding"] for digest in here} == wanted
     assert here == there
 

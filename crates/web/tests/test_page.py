@@ -34,7 +34,8 @@ def test_every_layer_is_shown_with_its_legend(visit):
     for key, button in enumerate(page.tab.locator("#layers button").all(), start=1):
         name = button.inner_text()
         page.tab.locator("#picture").press(str(key))
-        page.wait("name => document.querySelector('[aria-pressed=true][data-layer]').dataset.layer === name", name)
+        pressed = "document.querySelector('[aria-pressed=true][data-layer]')"
+        page.wait(f"name => {pressed}.dataset.layer === name", name)
         if name == "Denoised":
             assert page.tab.locator("#filter").input_value() == "auto"
             page.wait_for_samples(4)
@@ -96,7 +97,8 @@ def test_keys_turn_the_camera_and_put_it_back(visit):
     page.wait(done)
     assert page.pixels() != first
     page.tab.locator("#picture").press("r")
-    page.wait("picture.width < 160 || document.getElementById('status').textContent.endsWith('done') === false")
+    is_done = "document.getElementById('status').textContent.endsWith('done')"
+    page.wait(f"picture.width < 160 || {is_done} === false")
     page.wait(done)
     assert page.pixels() == first, "the same camera makes the same picture"
 
