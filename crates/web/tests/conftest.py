@@ -87,6 +87,24 @@ class Visit:
         condition = "least => Number(document.documentElement.dataset.samples ?? 0) >= least"
         self.wait(condition, samples, timeout)
 
+    def watch(self):
+        """Has `seen` say whether the picture is made anew from now on, and of how few samples it
+        was: both may be over before anybody looks."""
+        self.tab.evaluate(
+            """() => {
+              const status = document.getElementById('status');
+              const { dataset } = document.documentElement;
+              const seen = { fewest: Infinity, restarted: false };
+              const observer = new MutationObserver(() => {
+                seen.fewest = Math.min(seen.fewest, Number(dataset.samples));
+                seen.restarted ||= !status.textContent.endsWith('done');
+              });
+              observer.observe(document.documentElement, { attributes: true });
+              observer.observe(status, { childList: true, characterData: true, subtree: true });
+              window.seen = seen;
+            }"""
+        )
+
     def colors(self):
         """How many colours there are in the picture."""
         return self.tab.evaluate(
