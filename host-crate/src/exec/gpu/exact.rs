@@ -3,7 +3,6 @@
 //!
 //! [`raystream_shaders::math::exact`] has the functions and says what for.
 
-use super::float_controls::FloatControls;
 use raystream_shaders::math::exact::{CALLED, Function};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Capability, Decoration, ExecutionMode, GlslStd450Op, Op};
@@ -12,32 +11,27 @@ use std::collections::HashMap;
 /// The kernel that calls the functions.
 const CALLER: &str = "calculate";
 
-/// How kernels find quotients and roots.
+/// How kernels are made exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rounding {
-    /// As the driver does, with all else: fast, and on each device in another way.
-    OfDriver,
-    /// Correctly, by an `fma` that rounds once.
-    ByFma,
-    /// Correctly, by integers: on any device.
-    ByIntegers,
+pub struct Exact {
+    /// Whether quotients and roots are found by an `fma` that rounds once, or else by integers: on
+    /// any device.
+    pub by_fma: bool,
+    /// Whether the device is asked to keep subnormal numbers, as only one may be that
+    /// [can](super::float_controls::keeps_subnormals).
+    pub keeps_subnormals: bool,
 }
 
 /// What is estimated by the device's own.
 const ESTIMATED: [Function; 4] =
     [Function::Quotient, Function::Root, Function::FusedQuotient, Function::FusedRoot];
 
-/// Makes `module`, of all kernels, exact; with quotients and roots by `fma` if `fused`, for a device
-/// that has these float controls.
+/// Makes `module`, of all kernels, exact.
 ///
 /// # Errors
 /// What in it has no exact counterpart.
-pub fn make_exact(
-    module: &mut Module,
-    fused: bool,
-    float_controls: FloatControls,
-) -> Result<(), String> {
-    let mut calls = Calls::of(module, fused)?;
+pub fn make_exact(module: &mut Module, exact: Exact) -> Result<(), String> {
+    let mut calls = Calls::of(module, exact.by_fma)?;
     let mut kept_apart = Vec::new();
     for function in &mut module.functions {
         let is_estimate = ESTIMATED.iter().any(|&of| Some(calls.id(of)) == function.def_id());
@@ -60,18 +54,18 @@ pub fn make_exact(
     if let Some(header) = &mut module.header {
         header.bound = calls.next_id;
     }
-    control_floats(module, float_controls);
+    control_floats(module, exact.keeps_subnormals);
     Ok(())
 }
 
 /// Asks for sums and products rounded to the nearest number, for zeros that keep their signs, and
-/// for subnormal numbers where the device has them: float controls of Vulkan 1.2.
-fn control_floats(module: &mut Module, float_controls: FloatControls) {
+/// for subnormal numbers if they are to be kept: float controls of Vulkan 1.2.
+fn control_floats(module: &mut Module, keeps_subnormals: bool) {
     let mut controls = vec![
         (Capability::RoundingModeRTE, ExecutionMode::RoundingModeRTE),
         (Capability::SignedZeroInfNanPreserve, ExecutionMode::SignedZeroInfNanPreserve),
     ];
-    if float_controls.keeps_subnormals {
+    if keeps_subnormals {
         controls.push((Capability::DenormPreserve, ExecutionMode::DenormPreserve));
     }
     let name = Operand::LiteralString("SPV_KHR_float_controls".into());
@@ -245,6 +239,8 @@ mod tests {
     use crate::exec::kernels::SPIRV;
     use rspirv::dr::load_words;
 
+    const BY_INTEGERS: Exact = Exact { by_fma: false, keeps_subnormals: false };
+
     fn module() -> Module {
         load_words(bytemuck::pod_collect_to_vec::<u8, u32>(SPIRV)).unwrap()
     }
@@ -265,7 +261,7 @@ mod tests {
         let others = |module: &Module| count(module, |i| matches!(stands_for(i), Ok(Some((_, 2)))));
         let before = [divisions(&module), others(&module)];
         let functions = Calls::of(&module, false).unwrap();
-        make_exact(&mut module, false, FloatControls::default()).unwrap();
+        make_exact(&mut module, BY_INTEGERS).unwrap();
         let estimates = module.functions.iter().filter(|function| {
             ESTIMATED.iter().any(|&of| function.def_id() == Some(functions.id(of)))
         });
@@ -281,7 +277,7 @@ mod tests {
     #[test]
     fn nothing_that_is_rounded_may_be_fused() {
         let mut module = module();
-        make_exact(&mut module, false, FloatControls::default()).unwrap();
+        make_exact(&mut module, BY_INTEGERS).unwrap();
         let rounded = count(&module, |i| is_rounded(i.class.opcode));
         let contraction = Operand::Decoration(Decoration::NoContraction);
         let apart = module.annotations.iter().filter(|about| about.operands.contains(&contraction));
@@ -299,8 +295,6 @@ mod tests {
             .unwrap();
         let Instruction { result_type, result_id, ref operands, .. } = *division;
         *division = Instruction::new(Op::FRem, result_type, result_id, operands.clone());
-        assert!(
-            make_exact(&mut module, false, FloatControls::default()).unwrap_err().contains("FRem")
-        );
+        assert!(make_exact(&mut module, BY_INTEGERS).unwrap_err().contains("FRem"));
     }
 }

@@ -1,21 +1,9 @@
 //! Which float controls a device has: `VK_KHR_shader_float_controls`, part of Vulkan 1.2.
 
-/// What shaders may ask of a device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FloatControls {
-    /// To keep subnormal numbers, where it may flush them otherwise.
-    pub keeps_subnormals: bool,
-}
-
-impl FloatControls {
-    /// Those of `adapter`; none where it does not say.
-    pub fn of(adapter: &wgpu::Adapter) -> Self {
-        Self { keeps_subnormals: keeps_subnormals(adapter) }
-    }
-}
-
+/// Whether kernels may ask of `adapter` to keep subnormal numbers, which it may flush otherwise; not
+/// where it does not say.
 #[cfg(any(windows, target_os = "linux", target_os = "android"))]
-fn keeps_subnormals(adapter: &wgpu::Adapter) -> bool {
+pub fn keeps_subnormals(adapter: &wgpu::Adapter) -> bool {
     use ash::vk;
     use wgpu::hal::api::Vulkan;
 
@@ -31,7 +19,8 @@ fn keeps_subnormals(adapter: &wgpu::Adapter) -> bool {
     controls.shader_denorm_preserve_float32 == vk::TRUE
 }
 
+/// Not where there is no Vulkan.
 #[cfg(not(any(windows, target_os = "linux", target_os = "android")))]
-fn keeps_subnormals(_: &wgpu::Adapter) -> bool {
+pub fn keeps_subnormals(_: &wgpu::Adapter) -> bool {
     false
 }

@@ -14,8 +14,8 @@ use super::arithmetic::Arithmetic;
 use super::{ExecError, Executor, Kernel, Launch, Limits, kernels};
 use crate::clock::Instant;
 use clock::Clock;
-use exact::Rounding;
-use float_controls::FloatControls;
+use exact::Exact;
+use float_controls::keeps_subnormals;
 use pipelines::{Pipeline, Pipelines};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -84,10 +84,9 @@ impl GpuExecutor {
         });
 
         let unsuitable = |reason| ExecError::Unsuitable { device: name.clone(), reason };
-        let rounding = if exact { Rounding::ByFma } else { Rounding::OfDriver };
-        let controls = FloatControls::of(adapter);
-        let pipelines = Pipelines::new(device.clone(), path, rounding, controls);
-        let pipelines = pipelines.map_err(unsuitable)?;
+        let exact =
+            exact.then(|| Exact { by_fma: true, keeps_subnormals: keeps_subnormals(adapter) });
+        let pipelines = Pipelines::new(device.clone(), path, exact).map_err(unsuitable)?;
         let mut executor = Self {
             name,
             pipelines,
@@ -100,8 +99,8 @@ impl GpuExecutor {
             device,
             queue,
         };
-        if exact {
-            executor.find_exact(path, controls)?;
+        if let Some(exact) = exact {
+            executor.find_exact(path, exact)?;
         }
         executor.compile(0, |kernel| !kernel.has_scene())?;
         Ok(executor)
@@ -109,21 +108,19 @@ impl GpuExecutor {
 
     /// Keeps the kernels by `fma` if they compute what the CPU does, or else takes those by
     /// integers.
-    fn find_exact(&mut self, path: ShaderPath, controls: FloatControls) -> Result<(), ExecError> {
+    fn find_exact(&mut self, path: ShaderPath, exact: Exact) -> Result<(), ExecError> {
         let fast = self.name.clone();
         let unsuitable = |reason| ExecError::Unsuitable { device: fast.clone(), reason };
         self.name = format!("{fast}, exact");
-        let by_fma = Arithmetic::of(self)?;
-        if by_fma.check().is_ok() {
-            tracing::info!("{} divides by fma; {}", self.name, by_fma.subnormals);
-            return Ok(());
+        let (mut found, mut way) = (Arithmetic::of(self)?, "fma");
+        if found.check().is_err() {
+            let exact = Exact { by_fma: false, ..exact };
+            let pipelines = Pipelines::new(self.device.clone(), path, Some(exact));
+            self.pipelines = pipelines.map_err(unsuitable)?;
+            (found, way) = (Arithmetic::of(self)?, "integers");
         }
-        let rounding = Rounding::ByIntegers;
-        let pipelines = Pipelines::new(self.device.clone(), path, rounding, controls);
-        self.pipelines = pipelines.map_err(unsuitable)?;
-        let by_integers = Arithmetic::of(self)?;
-        tracing::info!("{} divides by integers; {}", self.name, by_integers.subnormals);
-        by_integers.check().map_err(unsuitable)
+        tracing::info!("{} divides by {way}; {}", self.name, found.subnormals);
+        found.check().map_err(unsuitable)
     }
 
     /// Compiles those of the kernels that are `wanted`, for scenes that use `abilities`.

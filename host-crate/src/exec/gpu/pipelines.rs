@@ -1,7 +1,6 @@
 //! The kernels as the driver gets them.
 
-use super::exact::Rounding;
-use super::float_controls::FloatControls;
+use super::exact::Exact;
 use super::spirv;
 use crate::exec::kernels::SPIRV;
 use crate::exec::{Access, Kernel};
@@ -36,11 +35,10 @@ impl Pipelines {
     pub fn new(
         device: wgpu::Device,
         path: ShaderPath,
-        rounding: Rounding,
-        float_controls: FloatControls,
+        exact: Option<Exact>,
     ) -> Result<Self, String> {
         let words = bytemuck::pod_collect_to_vec::<u8, u32>(SPIRV);
-        let kernels = spirv::Kernels::parse(&words, rounding, float_controls)?;
+        let kernels = spirv::Kernels::parse(&words, exact)?;
         Ok(Self { device, path, kernels, compiled: Mutex::default() })
     }
 

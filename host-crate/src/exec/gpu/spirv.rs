@@ -9,8 +9,7 @@
 //! any more but the scene's own. wgpu has no way to give one to a driver, and like this every
 //! compiler on the way, naga too, knows the branches that are dead.
 
-use super::exact::{Rounding, make_exact};
-use super::float_controls::FloatControls;
+use super::exact::{Exact, make_exact};
 use raystream_shaders::scene::abilities::ABILITIES;
 use rspirv::binary::Assemble;
 use rspirv::dr::{Function, Instruction, Module, Operand, load_words};
@@ -25,19 +24,14 @@ pub struct Kernels {
 }
 
 impl Kernels {
-    /// Takes `words` apart, and makes what they compute [exact](super::exact) if it is to be,
-    /// for a device that has these float controls.
+    /// Takes `words` apart, and makes what they compute [exact](super::exact) if it is to be.
     ///
     /// # Errors
     /// Why they are no SPIR-V, or what of them cannot be exact.
-    pub fn parse(
-        words: &[u32],
-        rounding: Rounding,
-        float_controls: FloatControls,
-    ) -> Result<Self, String> {
+    pub fn parse(words: &[u32], exact: Option<Exact>) -> Result<Self, String> {
         let mut module = load_words(words).map_err(|error| format!("its kernels: {error}"))?;
-        if rounding != Rounding::OfDriver {
-            make_exact(&mut module, rounding == Rounding::ByFma, float_controls)?;
+        if let Some(exact) = exact {
+            make_exact(&mut module, exact)?;
         }
         let functions = module.functions.iter().enumerate();
         let functions = functions.filter_map(|(place, f)| Some((f.def_id()?, place))).collect();
@@ -166,8 +160,7 @@ mod tests {
     use crate::exec::kernels::{SPIRV, table};
 
     fn kernels() -> Kernels {
-        let words = bytemuck::pod_collect_to_vec(SPIRV);
-        Kernels::parse(&words, Rounding::OfDriver, FloatControls::default()).unwrap()
+        Kernels::parse(&bytemuck::pod_collect_to_vec(SPIRV), None).unwrap()
     }
 
     #[test]
