@@ -1,11 +1,9 @@
 //! The C interface of Open Image Denoise 2, found when it is asked for.
 
+use super::{Images, VARIABLE};
 use libloading::{Library, Symbol};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
-
-/// The environment variable that names the library, where the system does not find it.
-pub const VARIABLE: &str = "RAYSTREAM_OIDN";
 
 #[cfg(target_os = "windows")]
 const NAMES: &[&str] = &["OpenImageDenoise.dll"];
@@ -39,15 +37,6 @@ type SetFilterBool = unsafe extern "C" fn(*mut c_void, *const c_char, bool);
 /// The library, loaded.
 pub struct Oidn2 {
     library: Library,
-}
-
-/// A picture's images, each of as many pixels of three components.
-pub struct Images<'a> {
-    pub width: u32,
-    pub height: u32,
-    pub color: &'a [[f32; 3]],
-    /// Albedo and normal.
-    pub features: Option<[&'a [[f32; 3]]; 2]>,
 }
 
 impl Oidn2 {

@@ -6,9 +6,7 @@ mod library;
 #[path = "no_library.rs"]
 mod library;
 
-pub use library::VARIABLE;
-
-use self::library::{Images, Oidn2};
+use self::library::Oidn2;
 use super::{Filter, FilterInputs, FilterView, HostFilter};
 use crate::exec::{Array, ExecError, Launch};
 use crate::scene::FilmSize;
@@ -21,6 +19,22 @@ use raystream_shaders::math::random::hash;
 const PROBE: f32 = 0.1;
 /// Pixels to each side over which that is averaged: a single one says little.
 const PROBE_RADIUS: u32 = 3;
+
+/// The environment variable that names the library, where the system does not find it.
+pub const VARIABLE: &str = "RAYSTREAM_OIDN";
+
+/// A picture's images, each of as many pixels of three components.
+#[cfg_attr(
+    not(any(unix, windows)),
+    expect(dead_code, reason = "nobody can have a library that reads them")
+)]
+struct Images<'a> {
+    width: u32,
+    height: u32,
+    color: &'a [[f32; 3]],
+    /// Albedo and normal.
+    features: Option<[&'a [[f32; 3]]; 2]>,
+}
 
 /// Open Image Denoise.
 pub struct Oidn {
