@@ -17,10 +17,6 @@ pub struct Recording<E> {
 pub struct Step {
     /// What was run.
     pub kernel: &'static Kernel,
-    /// Its lanes.
-    pub threads: u32,
-    /// How long it took.
-    pub time: Duration,
     /// What its bindings hold that it may have written, in their order.
     pub written: Vec<Written>,
 }
@@ -28,9 +24,7 @@ pub struct Step {
 /// A binding after a launch.
 #[derive(Clone, Debug)]
 pub struct Written {
-    /// The binding's number in the kernel's table.
-    pub binding: usize,
-    /// What it is called there.
+    /// What it is called in the kernel's table.
     pub name: &'static str,
     /// All of it.
     pub bytes: Vec<u8>,
@@ -50,15 +44,15 @@ impl<E: Executor> Recording<E> {
     fn run_one(&self, launch: &Launch<'_, E::Buffer>) -> Result<Duration, ExecError> {
         let time = self.inner.run_parts(&[std::slice::from_ref(launch)])?.into_iter().sum();
         let kernel = launch.kernel();
-        let storage = kernel.bindings[1..].iter().zip(launch.views()).enumerate();
+        let storage = kernel.bindings[1..].iter().zip(launch.views());
         let mut written = Vec::new();
-        for (number, (binding, view)) in storage.filter(|(_, (b, _))| b.access.writes()) {
+        for (binding, view) in storage.filter(|(binding, _)| binding.access.writes()) {
             let mut bytes = vec![0; view.bytes() as usize];
             self.inner.read(view.buffer(), view.first_byte(), &mut bytes)?;
-            written.push(Written { binding: 1 + number, name: binding.name, bytes });
+            written.push(Written { name: binding.name, bytes });
         }
-        let step = Step { kernel, threads: launch.threads(), time, written };
-        self.steps.lock().unwrap_or_else(PoisonError::into_inner).push(step);
+        let mut steps = self.steps.lock().unwrap_or_else(PoisonError::into_inner);
+        steps.push(Step { kernel, written });
         Ok(time)
     }
 }
