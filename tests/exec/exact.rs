@@ -4,7 +4,7 @@ use raystream::exec::arithmetic::Arithmetic;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::devices::OpenOptions;
 use raystream::exec::gpu::GpuExecutor;
-use raystream::exec::{Device, Executor, Paired};
+use raystream::exec::{Device, Paired};
 use raystream::render::{Estimator, FilterKind, IntegratorKind, Sampling, Settings};
 use raystream::scene::{FilmSize, load_named};
 use raystream_shaders::math::exact::Operands;
@@ -24,11 +24,6 @@ fn assert_same(
     assert!(partings.is_empty(), "{what}:\n{}", partings.join("\n"));
 }
 
-/// Of `lvc` a real GPU is the same, but Mesa's software ends some light paths elsewhere.
-fn is_known_to_part(gpu: &GpuExecutor, integrator: IntegratorKind) -> bool {
-    integrator == IntegratorKind::Lvc && gpu.name().contains("llvmpipe")
-}
-
 #[test]
 fn whole_renders_are_the_cpus() {
     let scene = load_named("cornell_ball").unwrap();
@@ -36,7 +31,7 @@ fn whole_renders_are_the_cpus() {
     let size = FilmSize { width: 24, height: 18 };
     let base = Settings { size, ..Settings::for_scene(&scene) };
     with_exact_gpu(|gpu| {
-        let integrators = IntegratorKind::ALL.iter().filter(|&&kind| !is_known_to_part(gpu, kind));
+        let integrators = IntegratorKind::ALL.iter();
         let integrators = integrators
             .map(|&integrator| (format!("{integrator:?}"), Settings { integrator, ..base }));
         let estimators = [Estimator::Halves, Estimator::Variance].map(|estimator| {

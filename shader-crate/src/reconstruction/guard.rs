@@ -25,6 +25,10 @@ use crate::memory::access::{Scatter, at};
 /// ratio of averages over few pixels is often well above 1.
 pub const CAUTION: f32 = 2.0;
 
+/// The least square that is not taken for 0. What averages and quotients make of it are ordinary
+/// numbers: devices differ in subnormal ones.
+const LEAST_SQUARE: f32 = 1e-30;
+
 /// Kernel: what is averaged for the guard of pixel `lane`, in rows: the squared difference of
 /// measured and filtered colour, the variance of the measured one, and 1 for the sum of weights.
 /// Zeros where nothing is measured.
@@ -38,7 +42,7 @@ pub fn guard_terms(
     let (guide, filtered) = (at(guides, lane), at(filtered, lane));
     let value = if guide.is_measured() {
         let difference = mean_of_squares(guide.color - filtered.color);
-        Vec4::new(difference, guide.variance, 0.0, 1.0)
+        Vec4::new(ordinary(difference), ordinary(guide.variance), 0.0, 1.0)
     } else {
         Vec4::ZERO
     };
@@ -83,7 +87,12 @@ fn guarded(guide: &Guide, filtered: &FilteredPixel, about: Vec4) -> Estimate {
     let error = rest * rest * error + trust * (trust + 2.0 * rest * own) * variance;
     let picture = filtered.color + (guide.color - filtered.color) * trust;
     let bound = 2.0 * (mean_of_squares(picture - guide.color) + variance);
-    Estimate { filtered: picture, squared_error: error.min(bound) }
+    Estimate { filtered: picture, squared_error: ordinary(error.min(bound)) }
+}
+
+/// A square, or 0 for less than the [least](LEAST_SQUARE).
+fn ordinary(square: f32) -> f32 {
+    if square < LEAST_SQUARE { 0.0 } else { square }
 }
 
 #[cfg(test)]
@@ -116,5 +125,14 @@ mod tests {
         assert_eq!((estimate.filtered, estimate.squared_error), (Vec3::splat(3.0), 0.0));
         let same = guarded(&guide(3.0, 0.0), &picture(3.0, 0.5), Vec4::new(0.0, 0.0, 0.0, 1.0));
         assert_eq!((same.filtered, same.squared_error), (Vec3::splat(3.0), 0.0));
+    }
+
+    #[test]
+    fn squares_that_are_hardly_numbers_are_none() {
+        // The noise of its neighbours explains all, and of the error no more than its own part of
+        // 1e-22 of that noise is left, squared.
+        let tiny = guarded(&guide(1e-20, 0.0), &picture(0.0, 1e-22), Vec4::new(0.0, 1.0, 0.0, 1.0));
+        assert_eq!((tiny.filtered, tiny.squared_error), (Vec3::ZERO, 0.0));
+        assert_eq!([1e-40, 1e-31, 1e-29].map(ordinary), [0.0, 0.0, 1e-29]);
     }
 }

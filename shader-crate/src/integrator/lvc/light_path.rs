@@ -25,6 +25,9 @@ use core::f32::consts::{FRAC_1_PI, PI};
 
 /// Kernel: traces light path `lane`, writes its vertices to its part of `scratch` and their number
 /// to `count`.
+///
+/// They are counted in memory: Mesa 22.3 gives lanes that leave the loop early what a variable has
+/// in later turns.
 pub fn trace_light_paths(
     lane: u32,
     params: &LvcParams,
@@ -35,8 +38,8 @@ pub fn trace_light_paths(
     let samples = params.samples();
     let numbers = random_numbers(params, lane);
     let mut path = LightPath::emit(&samples, scene, &numbers);
-    let mut vertices = 0;
     let mut segment = 1;
+    *count = 0;
     while segment <= params.light_segments {
         let Encounter { hit, sides } = scene.meet(&path.ray, path.media);
         if !hit.is_some() {
@@ -52,17 +55,16 @@ pub fn trace_light_paths(
         path.connects = is_diffuse;
         if is_diffuse && surface.bsdf.reflectance.max_element() > 0.0 {
             if params.vertices_per_path > 0 {
-                let place = lane * params.vertices_per_path + vertices;
+                let place = lane * params.vertices_per_path + *count;
                 path.vertex(without, &surface, segment).store(scratch, place * ROWS_PER_VERTEX);
             }
-            vertices += 1;
+            *count += 1;
         }
         if !path.extend(params, without, &surface, &numbers, segment) {
             break;
         }
         segment += 1;
     }
-    *count = vertices;
 }
 
 /// The numbers of a light path: of other seeds than those of eye paths, a sequence for each round.
