@@ -2,6 +2,8 @@
 
 mod exact;
 mod gpu;
+mod mutations;
 mod shaders;
+mod tables;
 mod uniformity;
 mod wgsl;

@@ -4,7 +4,7 @@ use super::cpu::CpuExecutor;
 use super::device::Device;
 #[cfg(feature = "gpu")]
 use super::gpu::Adapters;
-use super::{ExecError, Executor};
+use super::{ExecError, Executor, Table};
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 #[cfg(feature = "gpu")]
 use std::sync::Arc;
@@ -88,6 +88,8 @@ pub struct OpenOptions {
     pub validation: bool,
     /// Have GPUs compute what the CPU does, bit for bit, which takes them longer.
     pub exact: bool,
+    /// The kernels of GPUs: this project's, or your own. Renderers need this project's.
+    pub table: Table,
 }
 
 impl OpenOptions {
@@ -99,6 +101,11 @@ impl OpenOptions {
     /// These, with [`Self::exact`] as given.
     pub fn with_exact(self, exact: bool) -> Self {
         Self { exact, ..self }
+    }
+
+    /// These, with [`Self::table`] as given.
+    pub fn with_table(self, table: Table) -> Self {
+        Self { table, ..self }
     }
 
     /// These, with [`Self::validation`] as given.

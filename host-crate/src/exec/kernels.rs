@@ -2,7 +2,7 @@
 
 use super::native::{Job, NativeArguments, NativeBinding, part_of, run_all};
 use super::scene_buffers::SceneUses;
-use super::{Launch, SceneBuffers, View};
+use super::{Launch, SceneBuffers, Table, View};
 use bytemuck::Pod;
 use raystream_shaders::levels::Level;
 use raystream_shaders::memory::access::{Atomics, Scatter};
@@ -16,6 +16,7 @@ use std::sync::atomic::AtomicU32;
 pub static SPIRV: &[u8] = include_bytes!("../../shaders/kernels.spv");
 
 /// A kernel, as both executors need to know it.
+#[derive(Debug)]
 pub struct Kernel {
     /// Name of the SPIR-V entry point.
     pub name: &'static str,
@@ -28,6 +29,18 @@ pub struct Kernel {
 }
 
 impl Kernel {
+    /// A kernel of another table than this project's. Its entry point and `native` compute the
+    /// same; the first of the `bindings` is a uniform block that begins with the number of threads,
+    /// as u32, and all are in descriptor set 0, numbered from 0 on.
+    pub const fn new(
+        name: &'static str,
+        workgroup_size: u32,
+        bindings: &'static [Binding],
+        native: fn(NativeArguments<'_, u32>),
+    ) -> Self {
+        Self { name, workgroup_size, bindings, native }
+    }
+
     /// Whether it works on a scene, so that it is compiled for what that uses.
     pub fn has_scene(&self) -> bool {
         self.bindings.iter().any(|binding| binding.name == SCENE_NAMES[0])
@@ -46,7 +59,8 @@ pub struct Binding {
 }
 
 impl Binding {
-    const fn new<T: Pod + Debug>(name: &'static str, access: Access) -> Self {
+    /// One of elements of `T`.
+    pub const fn new<T: Pod + Debug>(name: &'static str, access: Access) -> Self {
         Self { name, access, element: Element::of::<T>() }
     }
 }
@@ -124,7 +138,7 @@ macro_rules! kernels {
                 $(views.push($scattered.raw());)*
                 $(views.push($atomic.raw());)*
                 let scene = scene_uses!($($scene)?);
-                Launch::new(&table::$name, $parameters, views, scene)
+                Launch::on_scene(&table::$name, $parameters, views, scene)
             }
         )*
 
@@ -183,6 +197,9 @@ macro_rules! kernels {
 
             /// All of them.
             pub static ALL: &[&Kernel] = &[$(&$name),*];
+
+            /// All of them, and their SPIR-V.
+            pub static TABLE: Table = Table { spirv: SPIRV, kernels: ALL };
         }
     };
 }

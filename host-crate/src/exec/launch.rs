@@ -64,17 +64,29 @@ pub struct Launch<'a, B> {
 }
 
 impl<'a, B> Launch<'a, B> {
-    /// The run of `kernel` with its `parameters` and, in the order of the table, its other
-    /// bindings, on a `scene` if there is one.
+    /// The run of a `kernel` of another table than this project's, with its `parameters` and its
+    /// other bindings in their order.
     ///
-    /// Every parameter block begins with the number of threads, as u32.
-    pub(super) fn new(
+    /// # Panics
+    /// If there are more or fewer `views` than bindings, or the parameters have no room for the
+    /// number of threads that they begin with.
+    pub fn new(
+        kernel: &'static Kernel,
+        parameters: &impl bytemuck::NoUninit,
+        views: Vec<RawView<'a, B>>,
+    ) -> Self {
+        Self::on_scene(kernel, parameters, views, SceneUses::default())
+    }
+
+    /// The same on a `scene`, if there is one.
+    pub(super) fn on_scene(
         kernel: &'static Kernel,
         parameters: &impl bytemuck::NoUninit,
         views: Vec<RawView<'a, B>>,
         scene: SceneUses<'a>,
     ) -> Self {
-        debug_assert_eq!(views.len() + 1, kernel.bindings.len(), "bindings of {}", kernel.name);
+        assert_eq!(views.len() + 1, kernel.bindings.len(), "bindings of {}", kernel.name);
+        assert!(size_of_val(parameters) >= size_of::<u32>(), "parameters of {}", kernel.name);
         Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views, scene }
     }
 

@@ -15,9 +15,10 @@ pub mod devices;
 pub mod gpu;
 pub mod kernels;
 mod launch;
-mod native;
+pub mod native;
 mod paired;
 mod scene_buffers;
+mod table;
 
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::time::Duration;
@@ -30,6 +31,7 @@ pub use kernels::{Access, Binding, Kernel};
 pub use launch::{Launch, RawView, View};
 pub use paired::{Difference, Paired, PairedBuffer, Parting, UNORDERED};
 pub use scene_buffers::SceneBuffers;
+pub use table::Table;
 
 /// Runs kernels over buffers that it owns.
 pub trait Executor {

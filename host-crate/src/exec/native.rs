@@ -12,7 +12,7 @@ pub struct NativeArguments<'a, F> {
     /// The other bindings, in the order of the table.
     pub views: Vec<NativeBinding<'a>>,
     /// The scene, if it works on one.
-    pub scene: SceneUses<'a>,
+    pub(super) scene: SceneUses<'a>,
     /// What the scene uses: the word, or what is compiled for it.
     pub abilities: F,
 }

@@ -2,8 +2,7 @@
 
 use super::{GpuExecutor, ShaderPath, largest_buffer};
 use crate::exec::devices::{DeviceInfo, OpenOptions};
-use crate::exec::kernels::table;
-use crate::exec::{Access, ExecError, Kernel};
+use crate::exec::{Access, ExecError, Kernel, Table};
 
 /// All GPUs that the system's drivers offer, real ones first.
 pub struct Adapters {
@@ -58,7 +57,7 @@ impl Adapters {
                     ShaderPath::Naga => "through naga",
                 },
                 buffer_bytes: largest_buffer(&adapter.limits()),
-                unsuitable: unsuitable(adapter),
+                unsuitable: self.unsuitable(adapter),
             }
         });
         gpus.collect()
@@ -68,7 +67,7 @@ impl Adapters {
     pub fn open_best(&self) -> Option<GpuExecutor> {
         let is_real =
             |adapter: &&wgpu::Adapter| adapter.get_info().device_type != wgpu::DeviceType::Cpu;
-        let is_suitable = |adapter: &&wgpu::Adapter| unsuitable(adapter).is_none();
+        let is_suitable = |adapter: &&wgpu::Adapter| self.unsuitable(adapter).is_none();
         let adapter = self.adapters.iter().filter(is_real).find(is_suitable)?;
         self.open_adapter(adapter).inspect_err(|error| tracing::warn!("{error}")).ok()
     }
@@ -79,7 +78,7 @@ impl Adapters {
     /// # Errors
     /// If it cannot be opened, or there is no suitable one at all for `gpu`.
     pub fn open(&self, name: &str, number: usize) -> Result<Option<GpuExecutor>, ExecError> {
-        let is_suitable = |adapter: &wgpu::Adapter| unsuitable(adapter).is_none();
+        let is_suitable = |adapter: &wgpu::Adapter| self.unsuitable(adapter).is_none();
         if name == "gpu" && !self.adapters.iter().any(is_suitable) {
             return Err(ExecError::NoGpu);
         }
@@ -95,10 +94,10 @@ impl Adapters {
     }
 
     fn open_adapter(&self, adapter: &wgpu::Adapter) -> Result<GpuExecutor, ExecError> {
-        if let Some(reason) = unsuitable(adapter) {
+        if let Some(reason) = self.unsuitable(adapter) {
             return Err(ExecError::Unsuitable { device: adapter.get_info().name, reason });
         }
-        GpuExecutor::new(adapter, self.shader_path(adapter), self.options.exact)
+        GpuExecutor::new(adapter, self.shader_path(adapter), self.options)
     }
 
     fn shader_path(&self, adapter: &wgpu::Adapter) -> ShaderPath {
@@ -106,25 +105,26 @@ impl Adapters {
             && adapter.features().contains(wgpu::Features::PASSTHROUGH_SHADERS);
         if takes_spirv && !self.options.naga { ShaderPath::Passthrough } else { ShaderPath::Naga }
     }
-}
 
-fn unsuitable(adapter: &wgpu::Adapter) -> Option<String> {
-    let limits = adapter.limits();
-    let (granted, needed) = (limits.max_storage_buffers_per_shader_stage, storage_buffers());
-    if granted < needed {
-        return Some(format!(
-            "a kernel can bind {granted} storage buffers there and needs {needed}"
-        ));
+    /// Why an adapter cannot run the kernels, if so.
+    fn unsuitable(&self, adapter: &wgpu::Adapter) -> Option<String> {
+        let granted = adapter.limits().max_storage_buffers_per_shader_stage;
+        let needed = storage_buffers(&self.options.table);
+        if granted < needed {
+            return Some(format!(
+                "a kernel can bind {granted} storage buffers there and needs {needed}"
+            ));
+        }
+        let downlevel = adapter.get_downlevel_capabilities();
+        (!downlevel.flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS))
+            .then(|| "it has no compute shaders".to_owned())
     }
-    let downlevel = adapter.get_downlevel_capabilities();
-    (!downlevel.flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS))
-        .then(|| "it has no compute shaders".to_owned())
 }
 
 /// Storage buffers that a kernel binds, at most.
-fn storage_buffers() -> u32 {
+fn storage_buffers(table: &Table) -> u32 {
     let of_kernel = |kernel: &&Kernel| {
         kernel.bindings.iter().filter(|binding| binding.access != Access::Uniform).count() as u32
     };
-    table::ALL.iter().map(of_kernel).max().unwrap_or(0)
+    table.kernels.iter().map(of_kernel).max().unwrap_or(0)
 }

@@ -3,8 +3,8 @@
 //!
 //! [`raystream_shaders::math::exact`] has the functions and says what for.
 
-use raystream_shaders::math::exact::{CALLED, Function};
-use rspirv::dr::{Instruction, Module, Operand};
+use raystream_shaders::math::exact::{CALLED, Function as ExactFunction};
+use rspirv::dr::{Function, Instruction, Module, Operand};
 use rspirv::spirv::{Capability, Decoration, ExecutionMode, GlslStd450Op, Op};
 use std::collections::HashMap;
 
@@ -23,18 +23,22 @@ pub struct Exact {
 }
 
 /// What is estimated by the device's own.
-const ESTIMATED: [Function; 4] =
-    [Function::Quotient, Function::Root, Function::FusedQuotient, Function::FusedRoot];
+const ESTIMATED: [ExactFunction; 4] = [
+    ExactFunction::Quotient,
+    ExactFunction::Root,
+    ExactFunction::FusedQuotient,
+    ExactFunction::FusedRoot,
+];
 
 /// Makes `module`, of all kernels, exact.
 ///
 /// # Errors
 /// What in it has no exact counterpart.
 pub fn make_exact(module: &mut Module, exact: Exact) -> Result<(), String> {
-    let mut calls = Calls::of(module, exact.by_fma)?;
+    let mut calls = Calls::of(module, exact.by_fma);
     let mut kept_apart = Vec::new();
     for function in &mut module.functions {
-        let is_estimate = ESTIMATED.iter().any(|&of| Some(calls.id(of)) == function.def_id());
+        let is_estimate = ESTIMATED.iter().any(|&of| calls.is_function(of, function));
         for instructions in function.blocks.iter_mut().map(|block| &mut block.instructions) {
             if !is_estimate {
                 let mut exact = Vec::with_capacity(instructions.len());
@@ -95,10 +99,10 @@ fn is_rounded(opcode: Op) -> bool {
 
 /// Calls of the functions that stand for a driver's.
 struct Calls {
-    /// The ids of the functions, in the order of [`CALLED`].
-    ids: [u32; CALLED.len()],
+    /// The ids of the functions, in the order of [`CALLED`], if the module has them.
+    ids: Option<[u32; CALLED.len()]>,
     /// The type of what they take and return.
-    number: u32,
+    number: Option<u32>,
     /// The types of vectors of such numbers, and their lengths.
     vectors: HashMap<u32, u32>,
     next_id: u32,
@@ -108,39 +112,43 @@ struct Calls {
 
 impl Calls {
     /// Of those that `module` calls from [`CALLER`].
-    fn of(module: &Module, fused: bool) -> Result<Self, String> {
-        let missing = || format!("its kernel '{CALLER}' does not call the exact functions");
+    fn of(module: &Module, fused: bool) -> Self {
         let name = Operand::LiteralString(CALLER.into());
         let entry = module.entry_points.iter().find(|entry| entry.operands.get(2) == Some(&name));
         let id = entry.and_then(|entry| entry.operands[1].id_ref_any());
-        let is_caller = |function: &&rspirv::dr::Function| function.def_id() == id;
-        let caller = module.functions.iter().find(is_caller).ok_or_else(missing)?;
+        let caller = module.functions.iter().filter(|function| function.def_id() == id);
         let is_call = |call: &&Instruction| call.class.opcode == Op::FunctionCall;
-        let calls: Vec<_> = caller.all_inst_iter().filter(is_call).collect();
+        let calls: Vec<_> = caller.flat_map(Function::all_inst_iter).filter(is_call).collect();
         let ids: Vec<_> = calls.iter().filter_map(|call| call.operands[0].id_ref_any()).collect();
-        let number = calls.first().and_then(|call| call.result_type).ok_or_else(missing)?;
+        let number = calls.first().and_then(|call| call.result_type);
         let vectors = module.types_global_values.iter().filter_map(|global| {
             match global.operands.as_slice() {
                 [Operand::IdRef(of), Operand::LiteralBit32(length)]
-                    if global.class.opcode == Op::TypeVector && *of == number =>
+                    if global.class.opcode == Op::TypeVector && Some(*of) == number =>
                 {
                     Some((global.result_id?, *length))
                 }
                 _ => None,
             }
         });
-        Ok(Self {
-            ids: ids.try_into().map_err(|_| missing())?,
+        Self {
+            ids: ids.try_into().ok(),
             number,
             vectors: vectors.collect(),
             next_id: module.header.as_ref().map_or(0, |header| header.bound),
             fused,
-        })
+        }
     }
 
-    fn id(&self, function: Function) -> u32 {
-        let place = CALLED.iter().position(|&called| called == function);
-        place.map_or(0, |place| self.ids[place])
+    /// The id of a function, if the module has it.
+    fn id(&self, function: ExactFunction) -> Option<u32> {
+        let place = CALLED.iter().position(|&called| called == function)?;
+        self.ids.map(|ids| ids[place])
+    }
+
+    /// Whether this is the module's own function.
+    fn is_function(&self, function: ExactFunction, of_module: &Function) -> bool {
+        self.id(function).is_some_and(|id| of_module.def_id() == Some(id))
     }
 
     fn new_id(&mut self) -> u32 {
@@ -160,8 +168,9 @@ impl Calls {
         };
         let arguments: Vec<u32> =
             instruction.operands[first..].iter().filter_map(Operand::id_ref_any).collect();
+        let function = self.called(function)?;
         let Instruction { result_type, result_id, .. } = instruction;
-        if result_type == Some(self.number) {
+        if result_type == self.number {
             exact.push(self.call(function, result_id, &arguments));
             return Ok(());
         }
@@ -172,8 +181,8 @@ impl Calls {
             let of_component = arguments.iter().map(|&argument| {
                 let id = self.new_id();
                 let operands = vec![Operand::IdRef(argument), Operand::LiteralBit32(component)];
-                let number = Some(self.number);
-                exact.push(Instruction::new(Op::CompositeExtract, number, Some(id), operands));
+                let kind = self.number;
+                exact.push(Instruction::new(Op::CompositeExtract, kind, Some(id), operands));
                 id
             });
             let of_component: Vec<u32> = of_component.collect();
@@ -185,34 +194,44 @@ impl Calls {
         Ok(())
     }
 
-    /// A call whose result has the id `result`.
-    fn call(&self, function: Function, result: Option<u32>, arguments: &[u32]) -> Instruction {
+    /// The id of what is called for a function.
+    fn called(&self, function: ExactFunction) -> Result<u32, String> {
         let function = match function {
-            Function::Quotient if self.fused => Function::FusedQuotient,
-            Function::Root if self.fused => Function::FusedRoot,
+            ExactFunction::Quotient if self.fused => ExactFunction::FusedQuotient,
+            ExactFunction::Root if self.fused => ExactFunction::FusedRoot,
             other => other,
         };
-        let ids = std::iter::once(self.id(function)).chain(arguments.iter().copied());
+        self.id(function).ok_or_else(|| {
+            format!(
+                "{function:?} must not be left to the driver, but the module lacks the kernel \
+                 '{CALLER}' that calls what stands for it"
+            )
+        })
+    }
+
+    /// A call of the function with the id `function`; its result has the id `result`.
+    fn call(&self, function: u32, result: Option<u32>, arguments: &[u32]) -> Instruction {
+        let ids = std::iter::once(function).chain(arguments.iter().copied());
         let operands: Vec<_> = ids.map(Operand::IdRef).collect();
-        Instruction::new(Op::FunctionCall, Some(self.number), result, operands)
+        Instruction::new(Op::FunctionCall, self.number, result, operands)
     }
 }
 
 /// The function that is to stand for an instruction, if any, and which of its operands is the first
 /// argument.
-fn stands_for(instruction: &Instruction) -> Result<Option<(Function, usize)>, String> {
+fn stands_for(instruction: &Instruction) -> Result<Option<(ExactFunction, usize)>, String> {
     let function = match instruction.class.opcode {
-        Op::FDiv => return Ok(Some((Function::Quotient, 0))),
+        Op::FDiv => return Ok(Some((ExactFunction::Quotient, 0))),
         Op::ExtInst => {
             let Operand::LiteralExtInstInteger(number) = instruction.operands[1] else {
                 return Ok(None);
             };
             match GlslStd450Op::from_u32(number) {
-                Some(GlslStd450Op::Exp) => Function::Exponential,
-                Some(GlslStd450Op::Log) => Function::Logarithm,
-                Some(GlslStd450Op::Pow) => Function::Power,
-                Some(GlslStd450Op::Atan2) => Function::Angle,
-                Some(GlslStd450Op::Sqrt) => Function::Root,
+                Some(GlslStd450Op::Exp) => ExactFunction::Exponential,
+                Some(GlslStd450Op::Log) => ExactFunction::Logarithm,
+                Some(GlslStd450Op::Pow) => ExactFunction::Power,
+                Some(GlslStd450Op::Atan2) => ExactFunction::Angle,
+                Some(GlslStd450Op::Sqrt) => ExactFunction::Root,
                 Some(
                     GlslStd450Op::FAbs
                     | GlslStd450Op::Floor
@@ -246,12 +265,7 @@ mod tests {
     }
 
     fn count(module: &Module, what: impl Fn(&Instruction) -> bool) -> usize {
-        module
-            .functions
-            .iter()
-            .flat_map(rspirv::dr::Function::all_inst_iter)
-            .filter(|i| what(i))
-            .count()
+        module.functions.iter().flat_map(Function::all_inst_iter).filter(|i| what(i)).count()
     }
 
     #[test]
@@ -260,12 +274,13 @@ mod tests {
         let divisions = |module: &Module| count(module, |i| i.class.opcode == Op::FDiv);
         let others = |module: &Module| count(module, |i| matches!(stands_for(i), Ok(Some((_, 2)))));
         let before = [divisions(&module), others(&module)];
-        let functions = Calls::of(&module, false).unwrap();
+        let functions = Calls::of(&module, false);
         make_exact(&mut module, BY_INTEGERS).unwrap();
-        let estimates = module.functions.iter().filter(|function| {
-            ESTIMATED.iter().any(|&of| function.def_id() == Some(functions.id(of)))
-        });
-        let estimates: Vec<_> = estimates.flat_map(rspirv::dr::Function::all_inst_iter).collect();
+        let estimates = module
+            .functions
+            .iter()
+            .filter(|function| ESTIMATED.iter().any(|&of| functions.is_function(of, function)));
+        let estimates: Vec<_> = estimates.flat_map(Function::all_inst_iter).collect();
         let is_own = |i: &&&Instruction| matches!(stands_for(i), Ok(Some(_)));
         let left =
             |op: Op| estimates.iter().filter(|i| i.class.opcode == op).filter(is_own).count();
@@ -290,11 +305,28 @@ mod tests {
         let division = module
             .functions
             .iter_mut()
-            .flat_map(rspirv::dr::Function::all_inst_iter_mut)
+            .flat_map(Function::all_inst_iter_mut)
             .find(|instruction| instruction.class.opcode == Op::FDiv)
             .unwrap();
         let Instruction { result_type, result_id, ref operands, .. } = *division;
         *division = Instruction::new(Op::FRem, result_type, result_id, operands.clone());
         assert!(make_exact(&mut module, BY_INTEGERS).unwrap_err().contains("FRem"));
+    }
+
+    /// Modules of others need not have the functions if they need none.
+    #[test]
+    fn functions_that_a_module_lacks_are_named() {
+        let mut module = module();
+        module
+            .entry_points
+            .retain(|entry| entry.operands[2] != Operand::LiteralString(CALLER.to_owned()));
+        let error = make_exact(&mut module, BY_INTEGERS).unwrap_err();
+        assert!(error.contains("lacks the kernel 'calculate'"), "{error}");
+        let needs_none = |function: &Function| {
+            function.all_inst_iter().all(|i| matches!(stands_for(i), Ok(None)))
+        };
+        module.functions.retain(needs_none);
+        assert!(!module.functions.is_empty());
+        make_exact(&mut module, BY_INTEGERS).unwrap();
     }
 }

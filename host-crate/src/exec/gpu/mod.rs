@@ -11,7 +11,8 @@ pub(super) use adapters::Adapters;
 pub use pipelines::ShaderPath;
 
 use super::arithmetic::Arithmetic;
-use super::{ExecError, Executor, Kernel, Launch, Limits, kernels};
+use super::devices::OpenOptions;
+use super::{ExecError, Executor, Kernel, Launch, Limits, Table};
 use crate::clock::Instant;
 use clock::Clock;
 use exact::Exact;
@@ -33,6 +34,7 @@ pub struct GpuExecutor {
     device: wgpu::Device,
     queue: wgpu::Queue,
     pipelines: Pipelines,
+    table: Table,
     limits: wgpu::Limits,
     /// What times parts of runs, where the device has a clock, and is kept from run to run.
     clock: Option<Mutex<Clock>>,
@@ -43,13 +45,18 @@ pub struct GpuExecutor {
 }
 
 impl GpuExecutor {
-    /// Opens `adapter` and compiles for it the kernels that need no scene: those that compute what
-    /// the CPU does, bit for bit, if `exact`.
+    /// Opens `adapter` and compiles for it the kernels of the `options`' table that need no scene:
+    /// those that compute what the CPU does, bit for bit, if they are to be exact.
     ///
     /// # Errors
-    /// If it cannot be opened, or cannot run the kernels; if `exact`, also if it rounds otherwise
-    /// than the CPU.
-    pub fn new(adapter: &wgpu::Adapter, path: ShaderPath, exact: bool) -> Result<Self, ExecError> {
+    /// If it cannot be opened, or cannot run the kernels; if they are to be exact, also if it
+    /// rounds otherwise than the CPU.
+    pub fn new(
+        adapter: &wgpu::Adapter,
+        path: ShaderPath,
+        options: OpenOptions,
+    ) -> Result<Self, ExecError> {
+        let OpenOptions { exact, table, .. } = options;
         let name = adapter.get_info().name;
         if exact && path == ShaderPath::Naga {
             return Err(ExecError::Unsuitable { device: name, reason: NOT_EXACT.to_owned() });
@@ -86,10 +93,13 @@ impl GpuExecutor {
         let unsuitable = |reason| ExecError::Unsuitable { device: name.clone(), reason };
         let exact =
             exact.then(|| Exact { by_fma: true, keeps_subnormals: keeps_subnormals(adapter) });
-        let pipelines = Pipelines::new(device.clone(), path, exact).map_err(unsuitable)?;
+        // What is exact is found by this project's own kernels.
+        let first = if exact.is_some() { Table::default() } else { table };
+        let pipelines = Pipelines::new(device.clone(), path, &first, exact).map_err(unsuitable)?;
         let mut executor = Self {
             name,
             pipelines,
+            table,
             limits,
             clock: features
                 .contains(wgpu::Features::TIMESTAMP_QUERY)
@@ -100,32 +110,38 @@ impl GpuExecutor {
             queue,
         };
         if let Some(exact) = exact {
-            executor.find_exact(path, exact)?;
+            let exact = executor.find_exact(path, exact)?;
+            if !table.is_own() {
+                let pipelines = Pipelines::new(executor.device.clone(), path, &table, Some(exact));
+                executor.pipelines = pipelines.map_err(|reason| executor.unsuitable(reason))?;
+            }
         }
         executor.compile(0, |kernel| !kernel.has_scene())?;
         Ok(executor)
     }
 
-    /// Keeps the kernels by `fma` if they compute what the CPU does, or else takes those by
-    /// integers.
-    fn find_exact(&mut self, path: ShaderPath, exact: Exact) -> Result<(), ExecError> {
+    /// Keeps this project's kernels by `fma` if they compute what the CPU does, or else takes those
+    /// by integers; returns which.
+    fn find_exact(&mut self, path: ShaderPath, mut exact: Exact) -> Result<Exact, ExecError> {
         let fast = self.name.clone();
         let unsuitable = |reason| ExecError::Unsuitable { device: fast.clone(), reason };
         self.name = format!("{fast}, exact");
         let (mut found, mut way) = (Arithmetic::of(self)?, "fma");
         if found.check().is_err() {
-            let exact = Exact { by_fma: false, ..exact };
-            let pipelines = Pipelines::new(self.device.clone(), path, Some(exact));
+            exact.by_fma = false;
+            let table = Table::default();
+            let pipelines = Pipelines::new(self.device.clone(), path, &table, Some(exact));
             self.pipelines = pipelines.map_err(unsuitable)?;
             (found, way) = (Arithmetic::of(self)?, "integers");
         }
         tracing::info!("{} divides by {way}; {}", self.name, found.subnormals);
-        found.check().map_err(unsuitable)
+        found.check().map_err(unsuitable)?;
+        Ok(exact)
     }
 
     /// Compiles those of the kernels that are `wanted`, for scenes that use `abilities`.
     fn compile(&self, abilities: u32, wanted: impl Fn(&Kernel) -> bool) -> Result<(), ExecError> {
-        for &kernel in kernels::table::ALL.iter().filter(|kernel| wanted(kernel)) {
+        for &kernel in self.table.kernels.iter().filter(|kernel| wanted(kernel)) {
             self.pipeline(kernel, abilities)?;
         }
         self.check()
@@ -136,9 +152,11 @@ impl GpuExecutor {
         kernel: &'static Kernel,
         abilities: u32,
     ) -> Result<Arc<Pipeline>, ExecError> {
-        self.pipelines
-            .get(kernel, abilities)
-            .map_err(|reason| ExecError::Unsuitable { device: self.name.clone(), reason })
+        self.pipelines.get(kernel, abilities).map_err(|reason| self.unsuitable(reason))
+    }
+
+    fn unsuitable(&self, reason: String) -> ExecError {
+        ExecError::Unsuitable { device: self.name.clone(), reason }
     }
 
     /// The pipeline of each launch.

@@ -2,8 +2,7 @@
 
 use super::exact::Exact;
 use super::spirv;
-use crate::exec::kernels::SPIRV;
-use crate::exec::{Access, Kernel};
+use crate::exec::{Access, Kernel, Table};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -28,16 +27,17 @@ pub struct Pipelines {
 }
 
 impl Pipelines {
-    /// None yet, of the SPIR-V that was compiled, or of what is made exact of it.
+    /// None yet, of the SPIR-V of `table`, or of what is made exact of it.
     ///
     /// # Errors
     /// Why it cannot be read, or what of it cannot be exact.
     pub fn new(
         device: wgpu::Device,
         path: ShaderPath,
+        table: &Table,
         exact: Option<Exact>,
     ) -> Result<Self, String> {
-        let words = bytemuck::pod_collect_to_vec::<u8, u32>(SPIRV);
+        let words = bytemuck::pod_collect_to_vec::<u8, u32>(table.spirv);
         let kernels = spirv::Kernels::parse(&words, exact)?;
         Ok(Self { device, path, kernels, compiled: Mutex::default() })
     }
