@@ -54,75 +54,97 @@ type Body = fn(&mut Builder, spirv::Word, [spirv::Word; 2]) -> spirv::Word;
 
 /// A module with an entry point for each.
 fn module(kernels: &[(&Kernel, Body)]) -> &'static [u8] {
-    use spirv::{BuiltIn, Decoration, StorageClass};
     let mut b = Builder::new();
     b.set_version(1, 3);
     b.capability(spirv::Capability::Shader);
     b.memory_model(spirv::AddressingModel::Logical, spirv::MemoryModel::GLSL450);
-    let (void, uint, float) = (b.type_void(), b.type_int(32, 0), b.type_float(32, None));
-    let nothing = b.type_function(void, []);
-    let uint3 = b.type_vector(uint, 3);
-    let block = b.type_struct([uint, float, uint, uint]);
-    for member in 0..4 {
-        let offset = [Operand::LiteralBit32(4 * member)];
-        b.member_decorate(block, member, Decoration::Offset, offset);
-    }
-    let numbers = b.type_runtime_array(float);
-    b.decorate(numbers, Decoration::ArrayStride, [Operand::LiteralBit32(4)]);
-    let storage = b.type_struct([numbers]);
-    b.member_decorate(storage, 0, Decoration::Offset, [Operand::LiteralBit32(0)]);
-    let mut bound = Vec::new();
-    for (number, kind) in [block, storage, storage].into_iter().enumerate() {
-        let class = if number == 0 { StorageClass::Uniform } else { StorageClass::StorageBuffer };
-        let pointer = b.type_pointer(None, class, kind);
-        let variable = b.variable(pointer, None, class, None);
-        b.decorate(variable, Decoration::DescriptorSet, [Operand::LiteralBit32(0)]);
-        b.decorate(variable, Decoration::Binding, [Operand::LiteralBit32(number as u32)]);
-        bound.push(variable);
-    }
-    b.decorate(block, Decoration::Block, []);
-    b.decorate(storage, Decoration::Block, []);
-    let input = b.type_pointer(None, StorageClass::Input, uint3);
-    let invocation = b.variable(input, None, StorageClass::Input, None);
-    let built_in = [Operand::BuiltIn(BuiltIn::GlobalInvocationId)];
-    b.decorate(invocation, Decoration::BuiltIn, built_in);
-    let of_uint = b.type_pointer(None, StorageClass::Uniform, uint);
-    let of_float = b.type_pointer(None, StorageClass::Uniform, float);
-    let element = b.type_pointer(None, StorageClass::StorageBuffer, float);
-    let truth = b.type_bool();
-    let [zero, one] = [0, 1].map(|value| b.constant_bit32(uint, value));
+    let names = Names::declare(&mut b);
     for (kernel, body) in kernels {
-        let main = b
-            .begin_function(void, None, spirv::FunctionControl::NONE, nothing)
-            .expect("a function");
-        let [first, inside, end] = [0; 3].map(|_| b.id());
-        let mut emit = || -> Result<(), rspirv::dr::Error> {
-            b.begin_block(Some(first))?;
-            let all = b.load(uint3, None, invocation, None, [])?;
-            let lane = b.composite_extract(uint, None, all, [0])?;
-            let place = b.access_chain(of_uint, None, bound[0], [zero])?;
-            let threads = b.load(uint, None, place, None, [])?;
-            let is_inside = b.u_less_than(truth, None, lane, threads)?;
-            b.selection_merge(end, spirv::SelectionControl::NONE)?;
-            b.branch_conditional(is_inside, inside, end, [])?;
-            b.begin_block(Some(inside))?;
-            let place = b.access_chain(of_float, None, bound[0], [one])?;
-            let added = b.load(float, None, place, None, [])?;
-            let place = b.access_chain(element, None, bound[1], [zero, lane])?;
-            let x = b.load(float, None, place, None, [])?;
-            let result = body(&mut b, float, [x, added]);
-            let place = b.access_chain(element, None, bound[2], [zero, lane])?;
-            b.store(place, result, None, [])?;
-            b.branch(end)?;
-            b.begin_block(Some(end))?;
-            b.ret()?;
-            b.end_function()
-        };
-        emit().expect("a function's instructions");
-        b.entry_point(spirv::ExecutionModel::GLCompute, main, kernel.name, [invocation]);
+        let main = names.function(&mut b, *body).expect("a function's instructions");
+        b.entry_point(spirv::ExecutionModel::GLCompute, main, kernel.name, [names.invocation]);
         b.execution_mode(main, spirv::ExecutionMode::LocalSize, [kernel.workgroup_size, 1, 1]);
     }
     bytemuck::pod_collect_to_vec::<u32, u8>(&b.module().assemble()).leak()
+}
+
+/// What the functions of a module name.
+struct Names {
+    uint: spirv::Word,
+    float: spirv::Word,
+    /// Pointers to members of the block: integers and numbers.
+    in_block: [spirv::Word; 2],
+    in_storage: spirv::Word,
+    /// What is bound, by its number.
+    bound: [spirv::Word; 3],
+    invocation: spirv::Word,
+}
+
+impl Names {
+    fn declare(b: &mut Builder) -> Self {
+        use spirv::{BuiltIn, Decoration, StorageClass};
+        let (uint, float) = (b.type_int(32, 0), b.type_float(32, None));
+        let block = b.type_struct([uint, float, uint, uint]);
+        for member in 0..4 {
+            let offset = [Operand::LiteralBit32(4 * member)];
+            b.member_decorate(block, member, Decoration::Offset, offset);
+        }
+        let numbers = b.type_runtime_array(float);
+        b.decorate(numbers, Decoration::ArrayStride, [Operand::LiteralBit32(4)]);
+        let storage = b.type_struct([numbers]);
+        b.member_decorate(storage, 0, Decoration::Offset, [Operand::LiteralBit32(0)]);
+        let bound = [block, storage, storage].map(|kind| {
+            let is_block = kind == block;
+            let class = if is_block { StorageClass::Uniform } else { StorageClass::StorageBuffer };
+            let pointer = b.type_pointer(None, class, kind);
+            b.variable(pointer, None, class, None)
+        });
+        for (variable, number) in bound.into_iter().zip(0..) {
+            b.decorate(variable, Decoration::DescriptorSet, [Operand::LiteralBit32(0)]);
+            b.decorate(variable, Decoration::Binding, [Operand::LiteralBit32(number)]);
+        }
+        b.decorate(block, Decoration::Block, []);
+        b.decorate(storage, Decoration::Block, []);
+        let uint3 = b.type_vector(uint, 3);
+        let input = b.type_pointer(None, StorageClass::Input, uint3);
+        let invocation = b.variable(input, None, StorageClass::Input, None);
+        let built_in = [Operand::BuiltIn(BuiltIn::GlobalInvocationId)];
+        b.decorate(invocation, Decoration::BuiltIn, built_in);
+        let in_block = [uint, float].map(|kind| b.type_pointer(None, StorageClass::Uniform, kind));
+        let in_storage = b.type_pointer(None, StorageClass::StorageBuffer, float);
+        Self { uint, float, in_block, in_storage, bound, invocation }
+    }
+
+    /// A function of one lane.
+    fn function(&self, b: &mut Builder, body: Body) -> Result<spirv::Word, rspirv::dr::Error> {
+        let Self { uint, float, in_block, in_storage, bound, invocation } = *self;
+        let (void, truth) = (b.type_void(), b.type_bool());
+        let uint3 = b.type_vector(uint, 3);
+        let nothing = b.type_function(void, []);
+        let [zero, one] = [0, 1].map(|value| b.constant_bit32(uint, value));
+        let main = b.begin_function(void, None, spirv::FunctionControl::NONE, nothing)?;
+        let (inside, end) = (b.id(), b.id());
+        b.begin_block(None)?;
+        let all = b.load(uint3, None, invocation, None, [])?;
+        let lane = b.composite_extract(uint, None, all, [0])?;
+        let place = b.access_chain(in_block[0], None, bound[0], [zero])?;
+        let threads = b.load(uint, None, place, None, [])?;
+        let is_inside = b.u_less_than(truth, None, lane, threads)?;
+        b.selection_merge(end, spirv::SelectionControl::NONE)?;
+        b.branch_conditional(is_inside, inside, end, [])?;
+        b.begin_block(Some(inside))?;
+        let place = b.access_chain(in_block[1], None, bound[0], [one])?;
+        let added = b.load(float, None, place, None, [])?;
+        let place = b.access_chain(in_storage, None, bound[1], [zero, lane])?;
+        let x = b.load(float, None, place, None, [])?;
+        let result = body(b, float, [x, added]);
+        let place = b.access_chain(in_storage, None, bound[2], [zero, lane])?;
+        b.store(place, result, None, [])?;
+        b.branch(end)?;
+        b.begin_block(Some(end))?;
+        b.ret()?;
+        b.end_function()?;
+        Ok(main)
+    }
 }
 
 fn square(b: &mut Builder, float: spirv::Word, [x, added]: [spirv::Word; 2]) -> spirv::Word {

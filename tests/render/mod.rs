@@ -4,5 +4,6 @@ mod adaptive;
 mod checkpoints;
 mod devices;
 mod references;
+mod relay;
 mod rounds;
 mod team;

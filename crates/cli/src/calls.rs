@@ -5,9 +5,10 @@
 
 use super::effects::{Facts, Given};
 use super::ending::CliError;
+use super::job::Job;
 use super::keywords::{call_options, check_names, in_keywords, said, word};
 use super::loading::is_shipped;
-use super::render::{Job, RenderArguments, Resumed, kinds};
+use super::render::{RenderArguments, Resumed, kinds};
 use super::{Arguments, Command as Subcommand, RenderCommand, parse_render};
 use clap::Parser;
 use raystream::exec::Device;

@@ -9,7 +9,7 @@ use clap::Args;
 use raystream::exec::Executor;
 use raystream::film_file::{Difference, FilmFile, Header, Part};
 use raystream::render::{
-    AllocatorKind, IntegratorKind, Progress, RenderError, Renderer, Settings, Watch,
+    AllocatorKind, IntegratorKind, Kept, Progress, RenderError, Renderer, Settings, Watch,
 };
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -103,6 +103,8 @@ impl Keeper {
 pub struct RenderWatch<'a> {
     pub display: &'a mut ProgressDisplay,
     pub keeper: Option<&'a mut Keeper>,
+    /// What another device goes on from.
+    pub kept: &'a mut Kept,
 }
 
 impl<E: Executor> Watch<E> for RenderWatch<'_> {
@@ -120,6 +122,7 @@ impl<E: Executor> Watch<E> for RenderWatch<'_> {
     }
 
     fn may_checkpoint(&mut self, renderer: &Renderer<E>) -> Result<(), RenderError> {
+        self.kept.may_keep(renderer)?;
         let Some(keeper) = &mut self.keeper else { return Ok(()) };
         if keeper.last.elapsed() < keeper.every {
             return Ok(());

@@ -29,6 +29,7 @@ mod hints;
 mod inspect;
 mod integrators;
 mod interrupt;
+mod job;
 mod keywords;
 mod loading;
 mod merge;

@@ -1,32 +1,25 @@
 //! `raystream render`
 
-use super::checkpoints::{
-    CheckpointArguments, Keeper, RenderWatch, check_film, in_words, is_of_one_sequence,
-    settings_of_part,
-};
+use super::checkpoints::CheckpointArguments;
 use super::choices::choice;
-use super::command;
 use super::effects::{Facts, Given};
 use super::ending::{CliError, Ending};
 use super::frames::{self, Frames};
 use super::hints::with_hint;
 use super::interrupt;
+use super::job::Job;
 use super::options::{DeviceArguments, DisplayArguments, SettingsArguments, parse_seconds};
 use super::output::{self, is_png, is_same_file};
-use super::processes::{Helper, Identity, Processes};
-use super::progress::ProgressDisplay;
-use super::rendered::{Rendered, stop_name};
-use super::sampling::{SamplingArguments, describe};
+use super::processes::Processes;
+use super::sampling::SamplingArguments;
 use clap::Args;
+use raystream::exec::Executor;
 use raystream::exec::device::Device;
-use raystream::exec::{ExecError, Executor};
 use raystream::film::Film;
-use raystream::film_file::{Command, FilmFile, Header, kernels_digest, scene_digest};
+use raystream::film_file::{Command, FilmFile};
 use raystream::image;
 use raystream::render::estimator::EstimateBuffers;
-use raystream::render::{
-    Budget, FilterKind, LocalWorker, PreparedScene, Renderer, Settings, Split, Worker, run_watched,
-};
+use raystream::render::{FilterKind, Settings};
 use raystream::scene::{DEFAULT_SCENE, FilmSize, Scene};
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
 use std::collections::BTreeSet;
@@ -47,10 +40,10 @@ pub struct RenderArguments {
     /// Samples per pixel on average over the pixels [default: 64, or as many as --time or --noise
     /// take].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
-    spp: Option<u32>,
+    pub(crate) spp: Option<u32>,
     /// Stop after this time; what comes first of this, --spp and --noise counts.
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
-    time: Option<Duration>,
+    pub(crate) time: Option<Duration>,
     #[command(flatten)]
     sampling: SamplingArguments,
     #[command(flatten)]
@@ -94,10 +87,10 @@ pub struct RenderArguments {
         conflicts_with = "at",
         value_parser = frames::parse_rate
     )]
-    fps: Option<f64>,
+    pub(crate) fps: Option<f64>,
     /// The frame that is being rendered.
     #[arg(skip)]
-    frame: Option<u32>,
+    pub(crate) frame: Option<u32>,
     /// How to call the render again, where that is not the command line of this process.
     #[arg(skip)]
     pub(crate) called: Option<Command>,
@@ -108,7 +101,7 @@ pub const MAX_SAMPLES: i64 = 1 << 24;
 /// Characters of the default file name; 4 bytes each at most, and file names have up to 255.
 const MAX_STEM: usize = 60;
 /// Samples per pixel where nothing is asked for.
-const DEFAULT_SAMPLES: u32 = 64;
+pub const DEFAULT_SAMPLES: u32 = 64;
 
 /// A render that goes on from a film file.
 pub struct Resumed {
@@ -205,236 +198,9 @@ pub fn kinds(device: &Device, others: &[Device]) -> BTreeSet<String> {
     std::iter::once(device).chain(others).map(|device| device.name().to_owned()).collect()
 }
 
-/// All that a render is made of.
-pub struct Job<'a> {
-    pub arguments: &'a RenderArguments,
-    pub from: Option<&'a Resumed>,
-    /// Who has the film.
-    pub device: &'a Device,
-    /// Who else traces.
-    pub others: &'a [Device],
-    /// What they are called.
-    pub on: String,
-    /// What kinds of devices they are: those of one kind make the same film.
-    pub kinds: BTreeSet<String>,
-    pub prepared: &'a PreparedScene,
-    pub settings: Settings,
-    /// Of the scene.
-    pub name: String,
-}
-
-impl Job<'_> {
-    /// The settings of the part that is rendered.
-    fn settings(&self) -> Settings {
-        settings_of_part(self.settings, self.arguments.checkpoints.part)
-    }
-
-    /// What processes that render it together must have in common.
-    fn identity(&self) -> Identity {
-        Identity {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            kernels: kernels_digest(),
-            scene: scene_digest(self.prepared),
-            settings: in_words(&self.settings()),
-        }
-    }
-
-    /// All devices as workers, for a render of another process.
-    fn workers(&self) -> Result<Vec<Box<dyn Worker>>, ExecError> {
-        let devices = std::iter::once(self.device).chain(self.others);
-        devices.map(|device| self.worker(device)).collect()
-    }
-
-    fn worker(&self, device: &Device) -> Result<Box<dyn Worker>, ExecError> {
-        let worker = LocalWorker::new(device.clone(), self.prepared, &self.settings())?;
-        Ok(Box::new(worker))
-    }
-
-    /// Says who else renders, and counts the kinds of devices that this process has not.
-    fn name_helpers(&mut self, helpers: &[Helper]) {
-        let kinds: BTreeSet<String> = helpers.iter().map(|helper| helper.device.clone()).collect();
-        if !helpers.is_empty() {
-            let (count, kinds) = (helpers.len(), Vec::from_iter(kinds.clone()).join(", "));
-            self.arguments.say(&format!("and on {count} of other processes: {kinds}"));
-        }
-        for kind in kinds {
-            if self.kinds.insert(kind.clone()) {
-                self.on = format!("{}, {kind}", self.on);
-            }
-        }
-    }
-
-    /// The render as it begins or goes on, with workers on all devices of this process.
-    pub fn renderer(&self) -> Result<Renderer, CliError> {
-        let part = self.arguments.checkpoints.part;
-        let settings = self.settings();
-        let mut renderer = Renderer::new(self.device.clone(), self.prepared, &settings)?;
-        for other in self.others {
-            renderer.add_worker(self.worker(other)?);
-        }
-        if let Some(Resumed { film, .. }) = self.from {
-            renderer.restore(&film.checkpoint)?;
-        } else if let Some(part) = part.filter(|_| is_of_one_sequence(&settings)) {
-            renderer.skip_samples(part.of(self.arguments.spp.unwrap_or_default()).start)?;
-        }
-        Ok(renderer)
-    }
-
-    fn render(&self, helpers: Vec<Helper>) -> Result<Rendered, CliError> {
-        let mut keeper = self.keeper()?;
-        let mut renderer = self.renderer()?;
-        helpers.into_iter().for_each(|helper| renderer.add_worker(helper.worker));
-        if self.from.is_some() {
-            let samples = renderer.paths() as f64 / f64::from(renderer.pixels());
-            self.arguments.say(&format!("going on from {samples:.2} samples per pixel"));
-        }
-        let mut display = ProgressDisplay::new(self.arguments.quiet);
-        let mut watch = RenderWatch { display: &mut display, keeper: keeper.as_mut() };
-        let outcome = run_watched(&mut renderer, self.budget()?, &mut watch)?;
-        display.finish();
-        // Before the features get what a picture deserves: rounds to come must not see that.
-        let kept = keeper.map_or(Ok(()), |mut keeper| {
-            keeper.write(&renderer)?;
-            self.arguments.say(&keeper.advice());
-            Ok(())
-        });
-        renderer.finish_features()?;
-        let noise = renderer.noise()?;
-        Ok(Rendered { film: renderer.film()?, outcome, noise, kept })
-    }
-
-    /// Who keeps the film, if that was asked for.
-    fn keeper(&self) -> Result<Option<Keeper>, CliError> {
-        let CheckpointArguments { checkpoint, checkpoint_every, .. } = &self.arguments.checkpoints;
-        let Some(path) = checkpoint else { return Ok(None) };
-        let (header, warning) = self.header(path)?;
-        if let Some(what) = warning {
-            output::say(&format!("warning: {what}"));
-        }
-        Ok(Some(Keeper::new(path, *checkpoint_every, header)))
-    }
-
-    /// What a film file says of the render, and what to know where it goes on from `path`.
-    pub fn header(&self, path: &Path) -> Result<(Header, Option<String>), CliError> {
-        let film = self.from.map(|from| &from.film.header);
-        let settings = &self.settings;
-        let header = Header {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            kernels: kernels_digest(),
-            scene: self.name.clone(),
-            scene_digest: scene_digest(self.prepared),
-            settings: in_words(settings),
-            device: Vec::from_iter(self.kinds.clone()).join(", "),
-            part: self.arguments.checkpoints.part,
-            merged: film.map(|film| film.merged.clone()).unwrap_or_default(),
-            command: self.command()?,
-            seconds: self.seconds_before(),
-            camera: self.prepared.parameters(settings).camera,
-            has_control: settings.whole_sampling().split() == Split::Control,
-        };
-        let Some(film) = film else { return Ok((header, None)) };
-        check_film(path, film, &header)?;
-        let warning = (film.device != header.device).then(|| {
-            format!(
-                "begun on {}: the picture will be right, but not the same to the last bit as from \
-                 one device",
-                film.device
-            )
-        });
-        Ok((header, warning))
-    }
-
-    /// How to call the render again.
-    fn command(&self) -> Result<Command, CliError> {
-        if let Some(from) = self.from {
-            return Ok(from.command.clone());
-        }
-        if let Some(command) = &self.arguments.called {
-            return Ok(command.clone());
-        }
-        let mut command = command::of_this_process()?;
-        if let Some(frame) = self.arguments.frame {
-            command::remove_option(&mut command, "--frames");
-            if let Some(rate) = self.arguments.fps {
-                let time = frames::time(frame, rate).as_secs_f64().to_string();
-                command::remove_option(&mut command, "--fps");
-                command::set_option(&mut command, "render", "--at", &time);
-            }
-            let seed = self.settings.seed.to_string();
-            command::set_option(&mut command, "render", "--seed", &seed);
-            for argument in &mut command.arguments {
-                *argument = frames::fill(argument, frame);
-            }
-        }
-        Ok(command)
-    }
-
-    /// Says how it went, and writes the pictures.
-    fn write(&self, outputs: &[PathBuf], rendered: Rendered) -> Result<Ending, CliError> {
-        let arguments = self.arguments;
-        arguments.say(&rendered.summary());
-        for warning in rendered.shortcomings(self.settings.sampling.noise) {
-            output::say(&format!("warning: {warning}"));
-        }
-        if let Some(filter) = self.settings.denoise {
-            arguments.say(&format!("filtered the picture ({filter})"));
-        }
-        arguments.write(outputs, &rendered.film, &self.picture_header(&rendered))?;
-        rendered.kept?;
-        Ok(if rendered.outcome.interrupted() { Ending::Interrupted } else { Ending::Done })
-    }
-
-    /// Seconds that the render took before.
-    pub fn seconds_before(&self) -> f64 {
-        self.from.map_or(0.0, |from| from.film.header.seconds)
-    }
-
-    /// When the render ends.
-    pub fn budget(&self) -> Result<Budget, CliError> {
-        let RenderArguments { time, spp, checkpoints, .. } = self.arguments;
-        let has_no_other_end = time.is_none() && self.settings.sampling.noise.is_none();
-        let samples = spp.or_else(|| has_no_other_end.then_some(DEFAULT_SAMPLES));
-        let before = Duration::try_from_secs_f64(self.seconds_before()).unwrap_or_default();
-        let time = time.map(|time| time.saturating_sub(before));
-        let Some(part) = checkpoints.part else { return Ok(Budget { samples, time }) };
-        let of_part = part.of(samples.unwrap_or_default()).len() as u32;
-        if of_part == 0 {
-            return Err(format!(
-                "--part {part}: there are fewer samples per pixel than parts; give a larger --spp \
-                 or fewer parts"
-            )
-            .into());
-        }
-        Ok(Budget { samples: Some(of_part), time })
-    }
-
-    /// What pictures say of the render: keys and values.
-    fn picture_header(&self, rendered: &Rendered) -> Vec<(String, String)> {
-        let Rendered { film, outcome, noise, .. } = rendered;
-        let settings = &self.settings;
-        let seconds = self.seconds_before() + outcome.elapsed.as_secs_f64();
-        let mut header = vec![
-            ("scene".to_owned(), self.name.clone()),
-            ("device".to_owned(), self.on.clone()),
-            ("samples".to_owned(), output::average_samples(film).to_string()),
-            ("seconds".to_owned(), format!("{seconds:.3}")),
-            ("stop".to_owned(), stop_name(outcome.stop).to_owned()),
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-        ];
-        if let Some(noise) = noise {
-            header.push(("estimated_error".to_owned(), noise.relative_error.to_string()));
-        }
-        header.extend(self.arguments.settings.describe(settings));
-        header.extend(describe(&settings.sampling));
-        header.extend(settings.denoise.map(|filter| ("denoise".to_owned(), filter.to_string())));
-        header.extend(self.arguments.checkpoints.part.map(|p| ("part".to_owned(), p.to_string())));
-        header
-    }
-}
-
 impl RenderArguments {
     /// Says a line, unless nothing but warnings and errors is wanted.
-    fn say(&self, line: &str) {
+    pub fn say(&self, line: &str) {
         if !self.quiet {
             output::say(line);
         }
@@ -517,7 +283,7 @@ impl RenderArguments {
     }
 
     /// Writes the pictures, and the layers beside them.
-    fn write(
+    pub fn write(
         &self,
         outputs: &[PathBuf],
         film: &Film,

@@ -10,6 +10,8 @@ pub struct Hindered<'e, E> {
     limits: Limits,
     checks_sizes: bool,
     slow_batches: Option<SlowBatches>,
+    /// Runs until it fails, if it is to.
+    runs_left: Option<AtomicU32>,
 }
 
 impl<'e, E: Executor> Hindered<'e, E> {
@@ -17,7 +19,13 @@ impl<'e, E: Executor> Hindered<'e, E> {
     pub fn by_buffers(inner: &'e E, bytes: u64) -> Self {
         let limits = inner.limits();
         let limits = Limits { buffer_bytes: limits.buffer_bytes.min(bytes), ..limits };
-        Self { inner, limits, checks_sizes: true, slow_batches: None }
+        Self { inner, limits, checks_sizes: true, slow_batches: None, runs_left: None }
+    }
+
+    /// It is lost after so many runs of launches.
+    pub fn lost_after(inner: &'e E, runs: u32) -> Self {
+        let hindered = Self::by_buffers(inner, u64::MAX);
+        Self { runs_left: Some(AtomicU32::new(runs)), ..hindered }
     }
 
     /// Larger buffers are granted all the same to whoever asks.
@@ -79,6 +87,13 @@ impl<E: Executor> Executor for Hindered<'_, E> {
     fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
         if let Some(slow_batches) = &self.slow_batches {
             slow_batches.hold_up(parts);
+        }
+        if let Some(left) = &self.runs_left {
+            let fewer = |left: u32| left.checked_sub(1);
+            left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fewer).map_err(|_| {
+                let message = "it was to be lost".to_owned();
+                ExecError::Device { device: self.name().to_owned(), message }
+            })?;
         }
         self.inner.run_parts(parts)
     }

@@ -80,16 +80,7 @@ impl GpuExecutor {
             reason: error.to_string(),
         })?;
 
-        let failure = Arc::new(Mutex::new(None));
-        let on_error = Arc::clone(&failure);
-        device.on_uncaptured_error(Arc::new(move |error| record(&on_error, error.to_string())));
-        let on_loss = Arc::clone(&failure);
-        device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                record(&on_loss, format!("the device was lost: {message}"));
-            }
-        });
-
+        let failure = failure_of(&device);
         let unsuitable = |reason| ExecError::Unsuitable { device: name.clone(), reason };
         let exact =
             exact.then(|| Exact { by_fma: true, keeps_subnormals: keeps_subnormals(adapter) });
@@ -290,6 +281,20 @@ impl GpuExecutor {
 pub(super) fn largest_buffer(limits: &wgpu::Limits) -> u64 {
     // Bindings are whole multiples of 4 bytes, which 2 GiB - 1, a common limit, is not.
     limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) / 256 * 256
+}
+
+/// What the driver reports outside of any call that could return it, from now on.
+fn failure_of(device: &wgpu::Device) -> Arc<Mutex<Option<String>>> {
+    let failure = Arc::new(Mutex::new(None));
+    let on_error = Arc::clone(&failure);
+    device.on_uncaptured_error(Arc::new(move |error| record(&on_error, error.to_string())));
+    let on_loss = Arc::clone(&failure);
+    device.set_device_lost_callback(move |reason, message| {
+        if reason != wgpu::DeviceLostReason::Destroyed {
+            record(&on_loss, format!("the device was lost: {message}"));
+        }
+    });
+    failure
 }
 
 fn record(failure: &Mutex<Option<String>>, message: String) {
