@@ -341,6 +341,13 @@ fn what_is_wrong_with_meshes_and_materials_is_named() {
         ("/meshes/0/transform", json!([1]), &["meshes[0].transform", "an object {...}"]),
         ("/meshes/0/transform/scale", json!(0), &["meshes[0].transform", "determinant"]),
         ("/meshes/0/transform/translate", json!([1e13, 0, 0]), &["meshes[0].transform.translate"]),
+        ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
+    ]);
+}
+
+#[test]
+fn what_is_wrong_with_textures_is_named() {
+    assert_named(&[
         (
             "/materials/glow/textures/normal/file",
             json!("n.png"),
@@ -391,7 +398,6 @@ fn what_is_wrong_with_meshes_and_materials_is_named() {
             json!({"file": "t.png", "height": 1}),
             &["materials.glow", "`normal` or `bump`, not both"],
         ),
-        ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
     ]);
 }
 

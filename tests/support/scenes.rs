@@ -221,6 +221,27 @@ pub fn instanced(ball: Material) -> Scene {
     scene
 }
 
+/// The texture of this number of a [`painted`] ball.
+fn paint(number: u32, scene: &mut Scene) -> TextureId {
+    let code = |k: u32, channel: u32| (90 + (k * 37 + number * 11 + channel * 53) % 160) as u8;
+    let texels = (0..16).map(|k| [0, 1, 2, 3].map(|channel| code(k, channel))).collect();
+    let (sin, cos) = (number as f32 * 0.7).sin_cos();
+    let is_first = number.is_multiple_of(2);
+    let set = if is_first { CoordinateSet::First } else { CoordinateSet::Second };
+    let matrix = Mat2::from_cols_array_2d(&[[cos, sin], [-1.5 * sin, 1.5 * cos]]);
+    let placement = Placement { set, matrix, offset: Vec2::splat(0.1 * number as f32) };
+    scene.add_texture(Texture { placement, ..Texture::new(4, 4, texels) })
+}
+
+/// Its map of normals of this number.
+fn dents(number: u32, scene: &mut Scene) -> TextureId {
+    let code = |k: u32| (108 + (k * 29 + number * 7) % 40) as u8;
+    let texels = (0..16).map(|k| [code(k), code(k + 5), 250, 255]).collect();
+    let matrix = Mat2::from_diagonal(Vec2::new(2.0, 3.0));
+    let placement = Placement { matrix, ..Placement::default() };
+    scene.add_texture(Texture { placement, ..Texture::new(4, 4, texels) })
+}
+
 /// The [`room`] whose ball has a texture for everything, each at a place of its own in one of two
 /// sets of texture coordinates, and a coat that is bent otherwise than what is below.
 pub fn painted() -> Scene {
@@ -235,24 +256,8 @@ pub fn painted() -> Scene {
         ..Principled::paint(Vec3::splat(0.9), 0.8)
     };
     let mut scene = room(Material::Principled(ball), 1.0);
-    let texture = |number: u32, scene: &mut Scene| {
-        let code = |k: u32, channel: u32| (90 + (k * 37 + number * 11 + channel * 53) % 160) as u8;
-        let texels = (0..16).map(|k| [0, 1, 2, 3].map(|channel| code(k, channel))).collect();
-        let (sin, cos) = (number as f32 * 0.7).sin_cos();
-        let set = if number % 2 == 0 { CoordinateSet::First } else { CoordinateSet::Second };
-        let matrix = Mat2::from_cols_array_2d(&[[cos, sin], [-1.5 * sin, 1.5 * cos]]);
-        let placement = Placement { set, matrix, offset: Vec2::splat(0.1 * number as f32) };
-        scene.add_texture(Texture { placement, ..Texture::new(4, 4, texels) })
-    };
-    let normals = |number: u32, scene: &mut Scene| {
-        let code = |k: u32| (108 + (k * 29 + number * 7) % 40) as u8;
-        let texels = (0..16).map(|k| [code(k), code(k + 5), 250, 255]).collect();
-        let matrix = Mat2::from_diagonal(Vec2::new(2.0, 3.0));
-        let placement = Placement { matrix, ..Placement::default() };
-        scene.add_texture(Texture { placement, ..Texture::new(4, 4, texels) })
-    };
     let mut share =
-        |number: u32, channel: u32| Some(Channel { texture: texture(number, &mut scene), channel });
+        |number: u32, channel: u32| Some(Channel { texture: paint(number, &mut scene), channel });
     let [roughness, metallic, coat, coat_roughness, sheen_roughness, transmission, specular] =
         [(0, 1), (1, 2), (2, 0), (3, 1), (4, 3), (5, 0), (6, 3)].map(|(n, c)| share(n, c));
     let maps = Maps {
@@ -263,12 +268,12 @@ pub fn painted() -> Scene {
         sheen_roughness,
         transmission,
         specular,
-        base_colour: Some(texture(7, &mut scene)),
-        sheen: Some(texture(8, &mut scene)),
-        specular_colour: Some(texture(9, &mut scene)),
-        anisotropy: Some(texture(10, &mut scene)),
-        normal: Some(NormalMap { texture: normals(11, &mut scene), scale: 0.8 }),
-        coat_normal: Some(NormalMap { texture: normals(12, &mut scene), scale: 1.2 }),
+        base_colour: Some(paint(7, &mut scene)),
+        sheen: Some(paint(8, &mut scene)),
+        specular_colour: Some(paint(9, &mut scene)),
+        anisotropy: Some(paint(10, &mut scene)),
+        normal: Some(NormalMap { texture: dents(11, &mut scene), scale: 0.8 }),
+        coat_normal: Some(NormalMap { texture: dents(12, &mut scene), scale: 1.2 }),
         ..Maps::default()
     };
     let middle = Vec3::new(0.68, 0.22, 0.6);

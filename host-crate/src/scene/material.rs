@@ -10,6 +10,7 @@ pub struct MaterialId(pub u32);
 
 /// What a surface is made of. Colours are linear Rec.709.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a scene has few of them, which are copied freely")]
 pub enum Material {
     /// Lambert's law, on both sides.
     Diffuse {

@@ -155,10 +155,9 @@ impl<'a, A: Abilities> TextureView<'a, A> {
 
     /// Where a texture is looked up whose `a` is word number `first`.
     fn placed(&self, first: u32, uv: Vec2) -> Vec2 {
-        let number = |word: u32| f32::from_bits(at(self.words, first + word));
         Vec2::new(
-            number(0) * uv.x + number(1) * uv.y + number(4),
-            number(2) * uv.x + number(3) * uv.y + number(5),
+            self.number(first) * uv.x + self.number(first + 1) * uv.y + self.number(first + 4),
+            self.number(first + 2) * uv.x + self.number(first + 3) * uv.y + self.number(first + 5),
         )
     }
 
@@ -206,7 +205,11 @@ impl<'a, A: Abilities> TextureView<'a, A> {
     }
 
     fn decode(&self, srgb: u32) -> f32 {
-        f32::from_bits(at(self.words, srgb))
+        self.number(srgb)
+    }
+
+    fn number(&self, word: u32) -> f32 {
+        f32::from_bits(at(self.words, word))
     }
 }
 

@@ -6,7 +6,7 @@ use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
     Anisotropy, Attenuation, BumpMap, Camera, Channel, Conductor, CoordinateSet, Instance, Lens,
     Maps, Material, Opacity, Placement, Principled, Projection, PunctualLight, Reflectance, Scene,
-    Texels, TextureFilter, TextureId,
+    Texels, Texture, TextureFilter, TextureId,
 };
 use sha2::{Digest, Sha256};
 
@@ -92,19 +92,7 @@ fn scene_digest(scene: &Scene) -> String {
         add_material(&mut hasher, material);
     }
     for texture in &scene.textures {
-        add(&mut hasher, &[texture.width, texture.height]);
-        match &*texture.texels {
-            Texels::Bytes(texels) => add(&mut hasher, texels),
-            Texels::Shorts(texels) => add(&mut hasher, texels),
-            Texels::Floats(texels) => add(&mut hasher, texels),
-        }
-        if texture.filter != TextureFilter::Linear {
-            hasher.update([1]);
-        }
-        if texture.placement != Placement::default() {
-            add(&mut hasher, &texture.placement.numbers());
-            hasher.update([u8::from(texture.placement.set == CoordinateSet::Second)]);
-        }
+        add_texture(&mut hasher, texture);
     }
     if let Some(environment) = &scene.environment {
         add(&mut hasher, &[environment.width, environment.height]);
@@ -135,6 +123,22 @@ fn scene_digest(scene: &Scene) -> String {
 fn add<T: bytemuck::NoUninit>(hasher: &mut Sha256, values: &[T]) {
     hasher.update((values.len() as u64).to_le_bytes());
     hasher.update(bytemuck::cast_slice::<T, u8>(values));
+}
+
+fn add_texture(hasher: &mut Sha256, texture: &Texture) {
+    add(hasher, &[texture.width, texture.height]);
+    match &*texture.texels {
+        Texels::Bytes(texels) => add(hasher, texels),
+        Texels::Shorts(texels) => add(hasher, texels),
+        Texels::Floats(texels) => add(hasher, texels),
+    }
+    if texture.filter != TextureFilter::Linear {
+        hasher.update([1]);
+    }
+    if texture.placement != Placement::default() {
+        add(hasher, &texture.placement.numbers());
+        hasher.update([u8::from(texture.placement.set == CoordinateSet::Second)]);
+    }
 }
 
 fn add_material(hasher: &mut Sha256, material: &Material) {

@@ -134,16 +134,10 @@ impl PreparedScene {
         params.environment = environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
             packed.append(&mut texels, lights.environment_chance, ball)
         });
-        let (corners, lights) = (&from.corners, &lights);
-        Parts {
-            corners,
-            materials: &materials,
-            lights,
-            layers: &layers,
-            layer_maps: &layer_maps,
-            tables: &tables,
-        }
-        .append_to(&mut surfaces, &mut params);
+        let (corners, materials, lights) = (&from.corners, &materials[..], &lights);
+        let (layers, layer_maps, tables) = (&layers[..], &layer_maps[..], &tables);
+        Parts { corners, materials, lights, layers, layer_maps, tables }
+            .append_to(&mut surfaces, &mut params);
         let mut prepared = Self {
             geometry,
             surfaces,

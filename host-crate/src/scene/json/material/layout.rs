@@ -3,7 +3,7 @@
 use crate::scene::bounds;
 use crate::scene::json::values::{Numbers, Rotation, present};
 use crate::scene::obj::texture_map::TextureMap;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use serde::Deserialize;
 
 /// What is done to texture coordinates before a texture is looked up.
@@ -48,7 +48,7 @@ impl TryFrom<LayoutKeys> for Layout {
 /// Two numbers in the range of coordinates.
 fn pair(numbers: &[f64]) -> Result<DVec2, String> {
     match *numbers {
-        [x, y] => bounds::coordinates(&[x, y, 0.0]).map(|checked| checked.truncate()),
+        [x, y] => bounds::coordinates(&[x, y, 0.0]).map(DVec3::truncate),
         _ => Err(format!("must be two numbers, are {}", numbers.len())),
     }
 }
