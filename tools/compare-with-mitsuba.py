@@ -74,6 +74,8 @@ class Case:
         self.camera, self.camera_mi = camera or {}, camera_mi or {}
         self.depth = DEPTH
         self.lamp = None
+        # A material for Mitsuba that takes the place of Raystream's picture.
+        self.instead = None
         self.floor, self.floor_mi = GREY, GREY_MI
 
     def lights(self):
@@ -125,10 +127,7 @@ def cases(mi, folder):
          "roughness": 0.2}, SKY, SKY_MI)
     found["anisotropic conductor 0.2"] = Case(
         {"type": "conductor", **COPPER, "roughness": 0.2, "anisotropy": 0.3},
-        {"type": "twosided", "bsdf": {
-            "type": "roughconductor", "distribution": "ggx", "alpha_u": 0.04 + 0.96 * 0.3**2,
-            "alpha_v": 0.04, "eta": rgb(*COPPER["eta"]), "k": rgb(*COPPER["k"])}},
-        *sun_and_sky(mi, folder, is_plain=True).lights())
+        brushed_copper(), *sun_and_sky(mi, folder, is_plain=True).lights())
     position = [1.5, 3.0, 2.0]
     found["point"] = Case(
         GREY, GREY_MI,
@@ -155,7 +154,7 @@ def cases(mi, folder):
     found["sun and sky"] = sun_and_sky(mi, folder)
     found["textured lamp"] = textured_lamp(mi, folder)
     found["normal map"] = normal_map(mi, folder)
-    return found | described(mi, folder)
+    return found | anisotropy(mi, folder) | described(mi, folder)
 
 
 # Balls whose material is written for Mitsuba as well, by its keys in scene files.
@@ -173,6 +172,33 @@ DESCRIBED = {
         "reflectance": [0.9, 0.6, 0.3], "metallic": 0.3, "transmission": 0.5, "ior": 1.5,
         "coat": 0.6, "coat_roughness": 0.3, "sheen": [0.3, 0.4, 0.5], "sheen_roughness": 0.5},
 }
+
+
+def anisotropy(mi, folder):
+    """Mitsuba's own anisotropic metal against what is written here, one difference after another."""
+    from mitsuba_materials import described as written
+
+    lights = sun_and_sky(mi, folder, is_plain=True).lights()
+    keys = {**COPPER, "roughness": 0.2, "anisotropy": 0.3}
+    steps = {
+        "one facet, masked independently": {"independent masking": True, "one facet": True},
+        "one facet": {"one facet": True},
+        "several facets": {}}
+    found = {}
+    for name, differences in steps.items():
+        case = Case(keys, brushed_copper(), *lights)
+        case.instead = written({**keys, **differences})
+        found[f"anisotropic conductor 0.2, {name}"] = case
+    found["as described: anisotropic conductor 0.2"] = Case(
+        {"type": "conductor", **keys}, written(keys), *lights)
+    return found
+
+
+def brushed_copper():
+    """Mitsuba's metal of roughness 0.2 and anisotropy 0.3."""
+    return {"type": "twosided", "bsdf": {
+        "type": "roughconductor", "distribution": "ggx", "alpha_u": 0.04 + 0.96 * 0.3**2,
+        "alpha_v": 0.04, "eta": rgb(*COPPER["eta"]), "k": rgb(*COPPER["k"])}}
 
 
 def described(mi, folder):
@@ -289,7 +315,7 @@ def read(mi, file):
     sys.exit(f"{file}: no layer of colours")
 
 
-def theirs(mi, case, folder):
+def theirs(mi, case, folder, ball):
     look = mi.ScalarTransform4f().look_at(origin=EYE, target=TARGET, up=[0, 1, 0])
     obj = lambda name, bsdf, **more: {
         "type": "obj", "filename": os.path.join(folder, name), "bsdf": bsdf, **more}
@@ -303,7 +329,7 @@ def theirs(mi, case, folder):
                      "component_format": "float32", "rfilter": {"type": "box"}},
             "sampler": {"type": "independent", "sample_count": 1}},
         "floor": obj("floor.obj", case.floor_mi),
-        "ball": obj("ball.obj", case.ball_mi), **case.light_mi}
+        "ball": obj("ball.obj", ball), **case.light_mi}
     if case.lamp:
         black = {"type": "diffuse", "reflectance": rgb(0)}
         scene["lamp"] = obj("lamp.obj", black, emitter=case.lamp[1])
@@ -316,12 +342,19 @@ def blocks(picture):
 
 
 def compare(mi, name, case, arguments, folder):
-    scene, scale = theirs(mi, case, folder)
     count = arguments.renders
-    a = [blocks(read(mi, ours(case, folder, arguments.raystream, arguments.samples, seed)))
-         for seed in range(1, count + 1)]
-    b = [blocks(scale * np.array(mi.render(scene, spp=arguments.samples, seed=seed), np.float64))
-         for seed in range(1, count + 1)]
+
+    def by_mitsuba(ball, first_seed):
+        scene, scale = theirs(mi, case, folder, ball)
+        render = lambda seed: np.array(mi.render(scene, spp=arguments.samples, seed=seed), np.float64)
+        return [blocks(scale * render(seed)) for seed in range(first_seed, first_seed + count)]
+
+    if case.instead:
+        a = by_mitsuba(case.instead, 1001)
+    else:
+        a = [blocks(read(mi, ours(case, folder, arguments.raystream, arguments.samples, seed)))
+             for seed in range(1, count + 1)]
+    b = by_mitsuba(case.ball_mi, 1)
     a, b = np.stack(a), np.stack(b)
     error = np.sqrt((a.var(axis=0, ddof=1) + b.var(axis=0, ddof=1)) / count)
     off = np.abs(a.mean(axis=0) - b.mean(axis=0)) / np.maximum(error, 1e-12)

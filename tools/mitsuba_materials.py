@@ -59,7 +59,9 @@ class Table:
 class Facets:
     """Microfacets of GGX; the table has what one of them reflects, by Schlick's two terms."""
 
-    def __init__(self, along, across):
+    def __init__(self, along, across, is_independent=False, is_single=False):
+        """Masked towards both directions independently, and one of them alone, if that is wanted."""
+        self.is_independent, self.is_single = is_independent, is_single
         self.distribution = mi.MicrofacetDistribution(mi.MicrofacetType.GGX, along, across)
         self.table = Table(self.weigh, along != across)
 
@@ -76,6 +78,8 @@ class Facets:
 
     def both(self, o, i, h):
         """The same of two directions on one side, height-correlated (Heitz 2014)."""
+        if self.is_independent:
+            return self.one(o, h) * self.one(i, h)
         return dr.rcp(dr.rcp(self.one(o, h)) + dr.rcp(self.one(i, h)) - 1)
 
     def lobe(self, o, i):
@@ -85,6 +89,8 @@ class Facets:
         return distribution * self.both(o, i, h), distribution * self.one(o, h), dr.dot(o, h)
 
     def missed(self, w):
+        if self.is_single:
+            return mi.Float(0)
         a, b = self.table.at(w)
         return dr.maximum(1 - a - b, 0)
 
@@ -198,7 +204,10 @@ class Sheen:
 
 
 class RaystreamPrincipled(mi.BSDF):
-    """The material. Its numbers are those of the list `described`, by the keys of scene files."""
+    """The material. Its numbers are those of the list `described`, by the keys of scene files.
+
+    "independent masking" and "one facet" make its surface another renderer's.
+    """
 
     described = []
 
@@ -210,7 +219,9 @@ class RaystreamPrincipled(mi.BSDF):
         self.passing = (1 - get("metallic")) * get("transmission")
         self.metal = 1.0 if "eta" in keys else get("metallic") / max(1 - self.passing, 1e-9)
         across = max(get("roughness") ** 2, 1e-3)
-        self.facets = Facets(across + (1 - across) * get("anisotropy") ** 2, across)
+        self.facets = Facets(
+            across + (1 - across) * get("anisotropy") ** 2, across,
+            get("independent masking", False), get("one facet", False))
         straight = ((get("ior", 1.5) - 1) / (get("ior", 1.5) + 1)) ** 2
         f0 = dr.minimum(mi.Color3f(get("specular", [1.0, 1.0, 1.0])) * straight, 1)
         self.over_base = Reflector(self.facets, f0)

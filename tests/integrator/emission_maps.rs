@@ -12,7 +12,7 @@ use raystream_tests::statistics::assert_same_expectation;
 use raystream_tests::{prepare, render, render_on, settings, with_gpu};
 use std::f64::consts::PI;
 
-const TECHNIQUES: [Techniques; 3] =
+pub const TECHNIQUES: [Techniques; 3] =
     [Techniques::Both, Techniques::LightSampling, Techniques::BsdfSampling];
 /// Side of the lamp, and how high it hangs.
 const SIDE: f32 = 2.0;
@@ -67,7 +67,7 @@ fn summed() -> DVec3 {
         let c = f64::from(code) / 255.0;
         if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
     };
-    let Texels::Bytes(texels) = picture().texels else { panic!("bytes") };
+    let Texels::Bytes(texels) = Texels::clone(&picture().texels) else { panic!("bytes") };
     let texel = |x: i64, y: i64| {
         let (x, y) = (x.rem_euclid(5) as usize, y.rem_euclid(3) as usize);
         let [r, g, b, _] = texels[y * 5 + x];
@@ -192,11 +192,11 @@ fn devices_agree() {
 fn a_lamp_of_floats_lights_as_the_same_lamp_of_bytes() {
     let bytes = scenes::picture_lamp(scenes::diffuse(0.6));
     let mut floats = bytes.clone();
-    let Texels::Bytes(texels) = &bytes.textures[0].texels else { panic!("bytes") };
+    let Texels::Bytes(texels) = &*bytes.textures[0].texels else { panic!("bytes") };
     let brighter = |&[r, g, b, _]: &[u8; 4]| {
         [r, g, b].map(|code| 8.0 * raystream::color::srgb_decode(f64::from(code) / 255.0) as f32)
     };
-    floats.textures[0].texels = Texels::Floats(texels.iter().map(brighter).collect());
+    floats.textures[0].texels = Texels::Floats(texels.iter().map(brighter).collect()).into();
     for material in &mut floats.materials {
         if let Material::Principled(principled) = material {
             principled.emission /= 8.0;
@@ -218,7 +218,8 @@ fn a_lamp_of_floats_lights_as_the_same_lamp_of_bytes() {
 fn another_picture_is_noticed() {
     let scene = scenes::picture_lamp(scenes::diffuse(0.6));
     let mut other = scene.clone();
-    let Texels::Bytes(texels) = &mut other.textures[0].texels else { panic!("bytes") };
+    let texels = std::sync::Arc::make_mut(&mut other.textures[0].texels);
+    let Texels::Bytes(texels) = texels else { panic!("bytes") };
     texels[..16].fill([0, 0, 0, 255]);
     let film =
         |scene: &Scene, seed| render(&prepare(scene), &Settings { seed, ..settings(scene) }, 2048);

@@ -8,6 +8,7 @@ mod emission_maps;
 mod environment;
 mod instances;
 mod instructions;
+mod layer_maps;
 mod light_tree;
 mod lvc;
 mod memory;

@@ -168,6 +168,7 @@ fn of_materials(count: u32) -> Vec<Case> {
             .with(|s| (s.max_depth, s.roulette_depth) = (12, 5))
             .scrambled(),
         Case::new("instances of glass", small(scenes::instanced(scenes::glass(1.5))), count),
+        Case::new("a painted ball", small(scenes::painted()), count).scrambled(),
         Case::new("a glowing ball", room(scenes::emissive(3.0, 0.5)), count)
             .with(|s| s.max_depth = 1),
         Case::new("a black ball", room(scenes::diffuse(0.0)), count).with(|s| s.max_depth = 2),

@@ -1,9 +1,9 @@
 //! Scene files of format 2, and the schema of them that ships.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use raystream::scene::{
-    Instancing, Lens, LoadOptions, Material, MaterialId, Mesh, Principled, Projection,
-    PunctualLight, Scene, TextureFilter, TextureId,
+    Channel, Instancing, Lens, LoadOptions, Maps, Material, MaterialId, Mesh, NormalMap, Placement,
+    Principled, Projection, PunctualLight, Scene, TextureFilter, TextureId,
 };
 use raystream_tests::scene_folder::SceneFolder;
 use serde_json::{Value, json};
@@ -265,6 +265,50 @@ fn textures_are_shown_in_whole_texels_where_that_is_asked_for() {
     assert_eq!(found, [Some(TextureId(0)), Some(TextureId(0)), Some(TextureId(1))]);
 }
 
+/// A texture multiplies a number, which is 1 if it is not given, and lies where it says.
+#[test]
+fn textures_of_layers_lie_each_by_itself() {
+    let mut scene = whole();
+    let glow = scene.pointer_mut("/materials/glow").unwrap();
+    glow["coat"] = json!(0.5);
+    glow.as_object_mut().unwrap().remove("anisotropy");
+    let channel = |channel: &str| json!({"file": "t.png", "channel": channel});
+    let moved = json!({"scale": [2, 1], "rotate": 90, "translate": [0, 3]});
+    glow["textures"] = json!({
+        "coat": channel("red"), "coat_roughness": channel("green"),
+        "coat_normal": {"file": "t.png", "scale": 0.75},
+        "sheen": {"file": "t.png", "transform": moved}, "sheen_roughness": channel("alpha"),
+        "transmission": channel("blue"), "specular": channel("red"),
+        "specular_colour": {"file": "t.png"}, "anisotropy": {"file": "t.png"},
+    });
+    let scene = load(&scene);
+    let Material::Principled(found) = material(&scene, 3) else { panic!() };
+    let Principled { coat, coat_roughness, sheen, sheen_roughness, transmission, .. } = found;
+    assert_eq!((coat, coat_roughness, sheen), (0.5, 1.0, Vec3::ONE));
+    assert_eq!((sheen_roughness, transmission, found.anisotropy.strength), (1.0, 1.0, 1.0));
+    let texture = TextureId(0);
+    let channel = |channel: u32| Some(Channel { texture, channel });
+    let expected = Maps {
+        base_colour: Some(texture),
+        coat: channel(0),
+        coat_roughness: channel(1),
+        coat_normal: Some(NormalMap { texture, scale: 0.75 }),
+        sheen: Some(TextureId(1)),
+        sheen_roughness: channel(3),
+        transmission: channel(2),
+        specular: channel(0),
+        specular_colour: Some(texture),
+        anisotropy: Some(texture),
+        ..Maps::default()
+    };
+    assert_eq!(found.maps, expected);
+    let [plain, moved] = &scene.textures[..] else { panic!("{}", scene.textures.len()) };
+    assert_eq!(plain.placement, Placement::default());
+    let there = moved.placement.of(Vec2::new(0.25, 0.5));
+    assert!((there - Vec2::new(-0.5, 3.5)).length() < 1e-6, "{there}");
+    assert!(std::sync::Arc::ptr_eq(&plain.texels, &moved.texels));
+}
+
 /// Puts each value at its place in a scene, and asserts that the error says all its parts.
 fn assert_named(cases: &[(&str, Value, &[&str])]) {
     for (at, value, parts) in cases {
@@ -297,6 +341,13 @@ fn what_is_wrong_with_meshes_and_materials_is_named() {
         ("/meshes/0/transform", json!([1]), &["meshes[0].transform", "an object {...}"]),
         ("/meshes/0/transform/scale", json!(0), &["meshes[0].transform", "determinant"]),
         ("/meshes/0/transform/translate", json!([1e13, 0, 0]), &["meshes[0].transform.translate"]),
+        ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
+    ]);
+}
+
+#[test]
+fn what_is_wrong_with_textures_is_named() {
+    assert_named(&[
         (
             "/materials/glow/textures/normal/file",
             json!("n.png"),
@@ -313,6 +364,26 @@ fn what_is_wrong_with_meshes_and_materials_is_named() {
             &["unknown variant `cubic`", "`nearest`"],
         ),
         (
+            "/materials/glow/textures/sheen",
+            json!({"file": "t.png", "transform": {"scale": [1]}}),
+            &["two numbers"],
+        ),
+        (
+            "/materials/glow/textures/coat",
+            json!({"file": "t.png"}),
+            &["materials.glow", "missing field `channel`"],
+        ),
+        (
+            "/materials/glow/textures/anisotropy",
+            json!({"file": "u.png"}),
+            &["materials.glow.textures.anisotropy.file", "no such file"],
+        ),
+        (
+            "/materials/glow/textures/coat_normal",
+            json!({"file": "t.png", "scale": 1e5}),
+            &["must be from -10000"],
+        ),
+        (
             "/materials/glow/textures/bump",
             json!({"file": "t.png"}),
             &["materials.glow", "missing field `height`"],
@@ -327,7 +398,6 @@ fn what_is_wrong_with_meshes_and_materials_is_named() {
             json!({"file": "t.png", "height": 1}),
             &["materials.glow", "`normal` or `bump`, not both"],
         ),
-        ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
     ]);
 }
 
@@ -399,6 +469,9 @@ fn keys_of_the_reader(at: &str) -> BTreeSet<String> {
     if at == "/materials/glow/textures/bump" {
         scene["materials"]["glow"]["textures"]["bump"] = json!({});
     }
+    if at == "/materials/glow/textures/emission/transform" {
+        scene["materials"]["glow"]["textures"]["emission"]["transform"] = json!({});
+    }
     // Alone, so that it is the first one that is read.
     *scene.pointer_mut(at).unwrap() = json!({"zzz": 0});
     if at.is_empty() {
@@ -427,7 +500,8 @@ fn the_schema_has_the_keys_of_the_reader() {
         ("/materials/glow/textures/roughness", "channel_texture"),
         ("/materials/glow/textures/normal", "normal_texture"),
         ("/materials/glow/textures/bump", "bump_texture"),
-        ("/materials/glow/textures/emission", "emission_texture"),
+        ("/materials/glow/textures/emission", "plain_texture"),
+        ("/materials/glow/textures/emission/transform", "texture_transform"),
         ("/quads/0", "quad"),
         ("/lights/0", "light"),
         ("/environment", "environment"),

@@ -11,7 +11,7 @@ use raystream_shaders::scene::texture::NO_TEXTURE;
 /// that the path came from: `from_outside` says whether that is the front.
 pub fn bsdf(material: &Material, normal: Vec3, from_outside: bool) -> Bsdf<'static, Fixed<BASIC>> {
     let albedos = AlbedoView { rows: &[], first: 0, anisotropic: 0 };
-    material.bsdf([normal, normal, Vec3::ZERO], from_outside, Layers::NONE, albedos, Fixed)
+    material.bsdf([normal, normal, normal, Vec3::ZERO], from_outside, Layers::NONE, albedos, Fixed)
 }
 
 /// Lambert's law.

@@ -1,9 +1,10 @@
 //! Small scenes, made in place.
 
-use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Mat2, Vec2, Vec3};
 use raystream::scene::{
-    Anisotropy, Attenuation, Camera, Environment, FilmSize, Maps, Material, MaterialId, Mesh,
-    NormalMap, Principled, Projection, PunctualLight, Scene, Texture, TextureId,
+    Anisotropy, Attenuation, Camera, Channel, CoordinateSet, Environment, FilmSize, Maps, Material,
+    MaterialId, Mesh, NormalMap, Placement, Principled, Projection, PunctualLight, Scene, Texture,
+    TextureId,
 };
 
 /// Lambert's law.
@@ -217,6 +218,76 @@ pub fn instanced(ball: Material) -> Scene {
     scene.add_instance(round, at([-0.07; 3], 0.0, [0.62, 0.55, 0.5]));
     scene.add_instance(block, DAffine3::IDENTITY);
     scene.add_instance(block, at([-0.5, 0.4, 0.6], -0.4, [0.95, 0.1, 0.4]));
+    scene
+}
+
+/// The texture of this number of a [`painted`] ball.
+fn paint(number: u32, scene: &mut Scene) -> TextureId {
+    let code = |k: u32, channel: u32| (90 + (k * 37 + number * 11 + channel * 53) % 160) as u8;
+    let texels = (0..16).map(|k| [0, 1, 2, 3].map(|channel| code(k, channel))).collect();
+    let (sin, cos) = (number as f32 * 0.7).sin_cos();
+    let is_first = number.is_multiple_of(2);
+    let set = if is_first { CoordinateSet::First } else { CoordinateSet::Second };
+    let matrix = Mat2::from_cols_array_2d(&[[cos, sin], [-1.5 * sin, 1.5 * cos]]);
+    let placement = Placement { set, matrix, offset: Vec2::splat(0.1 * number as f32) };
+    scene.add_texture(Texture { placement, ..Texture::new(4, 4, texels) })
+}
+
+/// Its map of normals of this number.
+fn dents(number: u32, scene: &mut Scene) -> TextureId {
+    let code = |k: u32| (108 + (k * 29 + number * 7) % 40) as u8;
+    let texels = (0..16).map(|k| [code(k), code(k + 5), 250, 255]).collect();
+    let matrix = Mat2::from_diagonal(Vec2::new(2.0, 3.0));
+    let placement = Placement { matrix, ..Placement::default() };
+    scene.add_texture(Texture { placement, ..Texture::new(4, 4, texels) })
+}
+
+/// The [`room`] whose ball has a texture for everything, each at a place of its own in one of two
+/// sets of texture coordinates, and a coat that is bent otherwise than what is below.
+pub fn painted() -> Scene {
+    let ball = Principled {
+        coat: 0.9,
+        coat_roughness: 0.7,
+        sheen: Vec3::new(0.9, 0.6, 0.3),
+        sheen_roughness: 0.8,
+        transmission: 0.5,
+        specular: Vec3::new(1.0, 0.9, 0.8),
+        anisotropy: Anisotropy { strength: 0.8, rotation: 20.0 },
+        ..Principled::paint(Vec3::splat(0.9), 0.8)
+    };
+    let mut scene = room(Material::Principled(ball), 1.0);
+    let mut share =
+        |number: u32, channel: u32| Some(Channel { texture: paint(number, &mut scene), channel });
+    let [roughness, metallic, coat, coat_roughness, sheen_roughness, transmission, specular] =
+        [(0, 1), (1, 2), (2, 0), (3, 1), (4, 3), (5, 0), (6, 3)].map(|(n, c)| share(n, c));
+    let maps = Maps {
+        roughness,
+        metallic,
+        coat,
+        coat_roughness,
+        sheen_roughness,
+        transmission,
+        specular,
+        base_colour: Some(paint(7, &mut scene)),
+        sheen: Some(paint(8, &mut scene)),
+        specular_colour: Some(paint(9, &mut scene)),
+        anisotropy: Some(paint(10, &mut scene)),
+        normal: Some(NormalMap { texture: dents(11, &mut scene), scale: 0.8 }),
+        coat_normal: Some(NormalMap { texture: dents(12, &mut scene), scale: 1.2 }),
+        ..Maps::default()
+    };
+    let middle = Vec3::new(0.68, 0.22, 0.6);
+    let mesh = scene.meshes.last_mut().expect("there is a ball");
+    let material = mesh.material;
+    let uv = |p: Vec3| Vec2::new(p.x + 0.3 * p.z, p.y) * 6.0;
+    let other = |p: Vec3| Vec2::new(p.y - 0.4 * p.x, p.z) * 5.0;
+    let all = |of: &dyn Fn(Vec3) -> Vec2, mesh: &Mesh| {
+        Some((0..mesh.triangles.len()).map(|index| mesh.corners(index).map(of)).collect())
+    };
+    mesh.texture_coordinates = all(&uv, mesh);
+    mesh.second_coordinates = all(&other, mesh);
+    smooth(mesh, middle);
+    scene.materials[material.0 as usize] = Material::Principled(Principled { maps, ..ball });
     scene
 }
 

@@ -175,7 +175,7 @@ fn texture_as_json(texture: &Texture) -> Value {
         "width": texture.width,
         "height": texture.height,
         "wrap": texture.wrap.map(wrap_name),
-        "bits": match texture.texels {
+        "bits": match *texture.texels {
             Texels::Bytes(_) => 8,
             Texels::Shorts(_) => 16,
             Texels::Floats(_) => 32,

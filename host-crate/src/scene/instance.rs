@@ -71,6 +71,7 @@ impl Mesh {
                 .as_ref()
                 .map(|normals| normals.iter().map(|corners| corners.map(turned)).collect()),
             texture_coordinates: self.texture_coordinates.clone(),
+            second_coordinates: self.second_coordinates.clone(),
             colours: self.colours.clone(),
             tangents: self.tangents.as_ref().map(|tangents| {
                 let turned = |corners: &[Vec4; 3]| moved_tangents(*corners, &linear);
@@ -80,7 +81,8 @@ impl Mesh {
         if flips {
             moved.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
             moved.normals.iter_mut().flatten().for_each(|corners| corners.swap(1, 2));
-            let coordinates = moved.texture_coordinates.iter_mut().flatten();
+            let both = [&mut moved.texture_coordinates, &mut moved.second_coordinates];
+            let coordinates = both.into_iter().flatten().flatten();
             coordinates.for_each(|corners| corners.swap(1, 2));
             moved.colours.iter_mut().flatten().for_each(|corners| corners.swap(1, 2));
             moved.tangents.iter_mut().flatten().for_each(|corners| corners.swap(1, 2));

@@ -10,6 +10,7 @@ pub struct MaterialId(pub u32);
 
 /// What a surface is made of. Colours are linear Rec.709.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a scene has few of them, which are copied freely")]
 pub enum Material {
     /// Lambert's law, on both sides.
     Diffuse {
@@ -169,6 +170,26 @@ pub struct Maps {
     pub bump: Option<BumpMap>,
     /// Of the emission, as sRGB.
     pub emission: Option<TextureId>,
+    /// Of the coat.
+    pub coat: Option<Channel>,
+    /// Of the coat's roughness.
+    pub coat_roughness: Option<Channel>,
+    /// Of the coat's normals. Those of what is below (`normal`, `bump`) do not bend the coat.
+    pub coat_normal: Option<NormalMap>,
+    /// Of the sheen's colour, as sRGB.
+    pub sheen: Option<TextureId>,
+    /// Of the sheen's roughness.
+    pub sheen_roughness: Option<Channel>,
+    /// Of the share of light that passes.
+    pub transmission: Option<Channel>,
+    /// Of `specular`, a share.
+    pub specular: Option<Channel>,
+    /// Of `specular`, a colour, as sRGB.
+    pub specular_colour: Option<TextureId>,
+    /// Of the anisotropy: red and green are the direction of the grain in the tangent space of
+    /// texture coordinates, codes 0 to 255 standing for -1 to 1, which its rotation turns; blue
+    /// multiplies its strength.
+    pub anisotropy: Option<TextureId>,
 }
 
 /// One channel of a texture, whose codes 0 to 255 stand for 0 to 1.
@@ -208,12 +229,49 @@ pub struct BumpMap {
 impl Maps {
     /// All textures.
     pub fn textures(&self) -> impl Iterator<Item = TextureId> + use<> {
-        let channels = [self.roughness, self.metallic].map(|map| map.map(|map| map.texture));
-        let [roughness, metallic] = channels;
-        let normal = self.normal.map(|map| map.texture);
+        let shares = self.shares().map(|map| map.map(|map| map.texture));
+        let normals = [self.normal, self.coat_normal].map(|map| map.map(|map| map.texture));
         let bump = self.bump.map(|map| map.texture);
-        let colours = [self.base_colour, self.emission];
-        colours.into_iter().chain([roughness, metallic, normal, bump]).flatten()
+        let colours = [self.base_colour, self.emission, self.sheen, self.specular_colour];
+        let others = [bump, self.anisotropy];
+        colours.into_iter().chain(shares).chain(normals).chain(others).flatten()
+    }
+
+    /// Those that say one number each.
+    pub(super) fn shares(&self) -> [Option<Channel>; 7] {
+        [
+            self.roughness,
+            self.metallic,
+            self.coat,
+            self.coat_roughness,
+            self.sheen_roughness,
+            self.transmission,
+            self.specular,
+        ]
+    }
+
+    /// Whether kernels need the ability
+    /// [`LAYER_MAPS`](raystream_shaders::scene::abilities::LAYER_MAPS) for them.
+    pub(crate) fn has_layers(&self) -> bool {
+        let usual = Self {
+            base_colour: self.base_colour,
+            roughness: self.roughness,
+            metallic: self.metallic,
+            normal: self.normal,
+            bump: self.bump,
+            emission: self.emission,
+            ..Self::default()
+        };
+        *self != usual
+    }
+
+    /// The texture in whose tangent space the normals and the grain of a surface are; none for that
+    /// of its first texture coordinates.
+    pub(crate) fn tangent_space(&self) -> Option<TextureId> {
+        let normals = self.normal.map(|map| map.texture);
+        let bumps = self.bump.map(|map| map.texture);
+        let coat = self.coat_normal.map(|map| map.texture);
+        normals.or(bumps).or(coat).or(self.anisotropy)
     }
 }
 
@@ -221,6 +279,12 @@ impl Principled {
     /// Whether anything lies over it: a coat or sheen.
     pub fn has_cover(&self) -> bool {
         self.coat > 0.0 || self.sheen != Vec3::ZERO
+    }
+
+    /// Whether it has a coat whose normal may be another than that of what is below.
+    pub(crate) fn has_coat_normal(&self) -> bool {
+        let Maps { normal, bump, coat_normal, .. } = self.maps;
+        self.coat > 0.0 && (normal.or(coat_normal).is_some() || bump.is_some())
     }
 
     /// Whether its surface bounds a body: light passes, enters, and finds no holes.
@@ -396,7 +460,7 @@ impl Material {
 
     /// Whether [tangents](super::Mesh::tangents) count: for a map of normals, or for a grain.
     pub fn takes_tangents(&self) -> bool {
-        let has_normals = |p: &Principled| p.maps.normal.is_some();
+        let has_normals = |p: &Principled| p.maps.normal.or(p.maps.coat_normal).is_some();
         self.has_grain() || self.principled().is_some_and(has_normals)
     }
 

@@ -19,6 +19,9 @@ pub struct Mesh {
     /// For each triangle the texture coordinates at its corners; (0, 0) is the lower left corner of
     /// a texture, (1, 1) the upper right one. `None`: the mesh has no texture.
     pub texture_coordinates: Option<Vec<[Vec2; 3]>>,
+    /// For each triangle other texture coordinates at its corners, for textures that
+    /// [take them](super::CoordinateSet). `None`: there are no such textures.
+    pub second_coordinates: Option<Vec<[Vec2; 3]>>,
     /// For each triangle the colours at its corners, linear Rec.709 and alpha, each component in
     /// [0, 1]: what multiplies the colour of the material, which
     /// [takes them](super::Material::takes_colours), and its opacity. `None`: white.
@@ -33,8 +36,7 @@ pub struct Mesh {
 impl Mesh {
     /// A flat mesh with nothing else at its corners; see the fields.
     pub fn new(material: MaterialId, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
-        let (normals, texture_coordinates, colours, tangents) = (None, None, None, None);
-        Self { material, positions, triangles, normals, texture_coordinates, colours, tangents }
+        Self { material, positions, triangles, ..Self::default() }
     }
 
     /// The positions of a triangle's corners.
@@ -61,6 +63,7 @@ impl Mesh {
         retain(&mut self.triangles, &kept);
         self.normals.iter_mut().for_each(|normals| retain(normals, &kept));
         self.texture_coordinates.iter_mut().for_each(|uvs| retain(uvs, &kept));
+        self.second_coordinates.iter_mut().for_each(|uvs| retain(uvs, &kept));
         self.colours.iter_mut().for_each(|colours| retain(colours, &kept));
         self.tangents.iter_mut().for_each(|tangents| retain(tangents, &kept));
     }
@@ -91,10 +94,12 @@ mod tests {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let mut mesh = Mesh::new(MaterialId(0), positions, vec![[0, 1, 2], [0, 1, 1], [0, 1, 3]]);
         mesh.normals = Some([Vec3::X, Vec3::Y, Vec3::Z].map(|n| [n; 3]).to_vec());
+        mesh.second_coordinates = Some([0.1, 0.2, 0.3].map(|u| [Vec2::splat(u); 3]).to_vec());
         mesh.colours = Some([0.1, 0.2, 0.3].map(|grey| [Vec4::splat(grey); 3]).to_vec());
         mesh.tangents = Some([0.1, 0.2, 0.3].map(|x| [Vec4::splat(x); 3]).to_vec());
         mesh.retain(has_area);
         assert_eq!(mesh.tangents, Some([0.1, 0.3].map(|x| [Vec4::splat(x); 3]).to_vec()));
+        assert_eq!(mesh.second_coordinates, Some([0.1, 0.3].map(|u| [Vec2::splat(u); 3]).to_vec()));
         assert_eq!(mesh.colours, Some([0.1, 0.3].map(|grey| [Vec4::splat(grey); 3]).to_vec()));
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]]);
         assert_eq!(mesh.normals, Some(vec![[Vec3::X; 3], [Vec3::Z; 3]]));

@@ -73,4 +73,4 @@ pub use metal::{Conductor, Metal};
 pub use options::{Instancing, LoadOptions};
 pub use shipped::{DEFAULT_SCENE, SceneGeometry, ShippedScene, shipped};
 pub use sky::Sky;
-pub use texture::{Texels, Texture, TextureFilter, TextureId, Wrap};
+pub use texture::{CoordinateSet, Placement, Texels, Texture, TextureFilter, TextureId, Wrap};

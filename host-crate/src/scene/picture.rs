@@ -5,7 +5,7 @@ use super::error::SceneError;
 use super::options::LoadOptions;
 use super::radiances::{EXR, mend};
 use super::source::Source;
-use super::texture::{Texels, Texture, TextureFilter, TextureId, Wrap};
+use super::texture::{CoordinateSet, Placement, Texels, Texture, TextureFilter, TextureId, Wrap};
 use glam::Vec3;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::collections::HashMap;
@@ -21,6 +21,8 @@ pub(super) struct Pictures {
     /// What they take, in words of 4 bytes.
     words: usize,
     loaded: HashMap<(PathBuf, Sampler), TextureId>,
+    /// Those that lie elsewhere, by the one that does not and the bits of their place.
+    placed: HashMap<(TextureId, bool, [u32; 6]), TextureId>,
     options: LoadOptions,
 }
 
@@ -43,6 +45,7 @@ impl Pictures {
             warnings: Vec::new(),
             words: 0,
             loaded: HashMap::new(),
+            placed: HashMap::new(),
             options: options.clone(),
         }
     }
@@ -79,9 +82,25 @@ impl Pictures {
         self.words += texels.words();
         let id = TextureId(self.textures.len() as u32);
         let Sampler { wrap, filter } = sampler;
-        self.textures.push(Texture { width, height, texels, wrap, filter });
+        self.textures.push(Texture { wrap, filter, ..Texture::of(width, height, texels) });
         self.loaded.insert(key, id);
         Ok(id)
+    }
+
+    /// The same texture at a place of its own. They share their texels.
+    pub(super) fn placed(&mut self, texture: TextureId, placement: Placement) -> TextureId {
+        if placement == Placement::default() {
+            return texture;
+        }
+        let bits = placement.numbers().map(f32::to_bits);
+        let key = (texture, placement.set == CoordinateSet::Second, bits);
+        if let Some(&id) = self.placed.get(&key) {
+            return id;
+        }
+        let id = TextureId(self.textures.len() as u32);
+        self.textures.push(Texture { placement, ..self.get(texture).clone() });
+        self.placed.insert(key, id);
+        id
     }
 
     /// The texture of this name.
@@ -232,7 +251,7 @@ mod tests {
         picture.into().save(&path).unwrap();
         let mut pictures = Pictures::new(&LoadOptions::default());
         pictures.load(&Disk, &path, LINEAR).unwrap();
-        (pictures.textures.remove(0).texels, pictures.warnings)
+        (Texels::clone(&pictures.textures.remove(0).texels), pictures.warnings)
     }
 
     #[test]

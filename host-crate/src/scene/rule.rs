@@ -1,10 +1,17 @@
 //! What a file says that a material is, before its textures are read.
 
-use super::material::{BumpMap, Channel, Material, NormalMap, Principled, Reflectance};
+use super::material::{
+    BumpMap, Channel, Maps, Material, NormalMap, Opacity, Principled, Reflectance,
+};
 use super::obj::texture_map::TextureMap;
 use super::texture::{Texture, TextureFilter, TextureId};
 use glam::Vec3;
 use std::path::PathBuf;
+
+/// The channel of opacity.
+const ALPHA: u32 = 3;
+/// That of how strong a grain is.
+const STRENGTH: u32 = 2;
 
 /// What a file says that a material is.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +31,6 @@ pub(super) struct TexturedRule {
     pub material: Material,
     /// The textures.
     pub textures: Vec<TextureFile>,
-    /// Where they lie on the surface.
-    pub map: TextureMap,
     /// What takes the place of those that cannot be read. By a scene file that is an error.
     pub otherwise: Option<Otherwise>,
 }
@@ -41,6 +46,8 @@ pub(super) struct TextureFile {
     pub path: PathBuf,
     /// What is seen between texels.
     pub filter: TextureFilter,
+    /// Where it lies on the surface.
+    pub map: TextureMap,
 }
 
 /// What a texture says of a material.
@@ -58,6 +65,26 @@ pub(super) enum Slot {
     Bump(f32),
     /// What the emission is multiplied by.
     Emission,
+    /// What the colour of a principled material is multiplied by.
+    BaseColour,
+    /// The share of a coat, in one of its channels.
+    Coat(u32),
+    /// Its roughness, in one of its channels.
+    CoatRoughness(u32),
+    /// Its normals, whose slopes are multiplied by this.
+    CoatNormal(f32),
+    /// The colour of sheen.
+    Sheen,
+    /// Its roughness, in one of its channels.
+    SheenRoughness(u32),
+    /// The share of light that passes, in one of its channels.
+    Transmission(u32),
+    /// The share of light that is reflected straight on, in one of its channels.
+    Specular(u32),
+    /// The colour of that light.
+    SpecularColour,
+    /// Where a grain runs, and how strong it is.
+    Grain,
 }
 
 /// What an MTL says besides textures.
@@ -79,41 +106,71 @@ impl Slot {
         };
         match self {
             Self::Colour => return material.with_reflectance(Reflectance::Texture(texture)),
-            Self::Roughness(channel) => {
-                principled.maps.roughness = Some(Channel { texture, channel });
-            }
-            Self::Metallic(channel) => {
-                principled.maps.metallic = Some(Channel { texture, channel });
-            }
-            Self::Normal(scale) => principled.maps.normal = Some(NormalMap { texture, scale }),
-            Self::Bump(height) => principled.maps.bump = Some(BumpMap { texture, height }),
-            Self::Emission => principled.maps.emission = Some(texture),
+            slot => slot.put(texture, &mut principled.maps),
         }
         Material::Principled(principled)
+    }
+
+    /// Puts the texture where it belongs among those of a principled material.
+    pub(super) fn put(self, texture: TextureId, maps: &mut Maps) {
+        let share = |channel: u32| Some(Channel { texture, channel });
+        match self {
+            Self::Colour | Self::BaseColour => maps.base_colour = Some(texture),
+            Self::Roughness(channel) => maps.roughness = share(channel),
+            Self::Metallic(channel) => maps.metallic = share(channel),
+            Self::Normal(scale) => maps.normal = Some(NormalMap { texture, scale }),
+            Self::Bump(height) => maps.bump = Some(BumpMap { texture, height }),
+            Self::Emission => maps.emission = Some(texture),
+            Self::Coat(channel) => maps.coat = share(channel),
+            Self::CoatRoughness(channel) => maps.coat_roughness = share(channel),
+            Self::CoatNormal(scale) => maps.coat_normal = Some(NormalMap { texture, scale }),
+            Self::Sheen => maps.sheen = Some(texture),
+            Self::SheenRoughness(channel) => maps.sheen_roughness = share(channel),
+            Self::Transmission(channel) => maps.transmission = share(channel),
+            Self::Specular(channel) => maps.specular = share(channel),
+            Self::SpecularColour => maps.specular_colour = Some(texture),
+            Self::Grain => maps.anisotropy = Some(texture),
+        }
     }
 
     /// The material with the mean of this texture, for want of texture coordinates.
     pub(super) fn with_mean(self, material: Material, texture: &Texture) -> Material {
         let colour = || Reflectance::Colour(texture.mean());
-        let Material::Principled(principled) = material else {
+        let Material::Principled(mut principled) = material else {
             return material.with_reflectance(colour());
         };
-        Material::Principled(match self {
-            Self::Colour => return material.with_reflectance(colour()),
-            Self::Roughness(channel) => {
-                let roughness = principled.roughness * texture.mean_code(channel as usize);
-                Principled { roughness, ..principled }
+        if self == Self::Colour {
+            return material.with_reflectance(colour());
+        }
+        self.multiply_by_mean(texture, &mut principled);
+        Material::Principled(principled)
+    }
+
+    /// Multiplies what the texture says of a principled material by the mean of that.
+    pub(super) fn multiply_by_mean(self, texture: &Texture, principled: &mut Principled) {
+        let mean = |channel: u32| texture.mean_code(channel as usize);
+        match self {
+            Self::Colour | Self::BaseColour => {
+                principled.base_colour *= texture.mean();
+                if let Opacity::Mask { alpha, .. } | Opacity::Blend { alpha } =
+                    &mut principled.opacity
+                {
+                    *alpha *= mean(ALPHA);
+                }
             }
-            Self::Metallic(channel) => {
-                let metallic = principled.metallic * texture.mean_code(channel as usize);
-                Principled { metallic, ..principled }
-            }
-            Self::Normal(_) | Self::Bump(_) => principled,
-            Self::Emission => {
-                let emission = principled.emission * texture.mean_emission();
-                Principled { emission, ..principled }
-            }
-        })
+            Self::Roughness(channel) => principled.roughness *= mean(channel),
+            Self::Metallic(channel) => principled.metallic *= mean(channel),
+            Self::Normal(_) | Self::Bump(_) | Self::CoatNormal(_) => {}
+            Self::Emission => principled.emission *= texture.mean_emission(),
+            Self::Coat(channel) => principled.coat *= mean(channel),
+            Self::CoatRoughness(channel) => principled.coat_roughness *= mean(channel),
+            Self::Sheen => principled.sheen *= texture.mean(),
+            Self::SheenRoughness(channel) => principled.sheen_roughness *= mean(channel),
+            Self::Transmission(channel) => principled.transmission *= mean(channel),
+            Self::Specular(channel) => principled.specular *= mean(channel),
+            Self::SpecularColour => principled.specular *= texture.mean(),
+            Self::Grain => principled.anisotropy.strength *= mean(STRENGTH),
+        }
     }
 
     /// The material as it is where the texture of an MTL cannot be read.

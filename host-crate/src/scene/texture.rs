@@ -1,7 +1,8 @@
 //! Pictures on surfaces.
 
 use crate::color::srgb_decode;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat2, Vec2, Vec3};
+use std::sync::Arc;
 
 /// Names a texture of a scene: its index in [`Scene::textures`](super::Scene::textures).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -29,6 +30,46 @@ pub enum TextureFilter {
     Nearest,
 }
 
+/// Which of the texture coordinates of a mesh a texture takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum CoordinateSet {
+    /// [`Mesh::texture_coordinates`](super::Mesh::texture_coordinates).
+    #[default]
+    First,
+    /// [`Mesh::second_coordinates`](super::Mesh::second_coordinates).
+    Second,
+}
+
+/// Where a texture lies: it is looked up at the `matrix` times the coordinates, plus the `offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// The coordinates.
+    pub set: CoordinateSet,
+    /// What they are multiplied by, each number in [-1e9, 1e9].
+    pub matrix: Mat2,
+    /// What is added then, each number in [-1e9, 1e9].
+    pub offset: Vec2,
+}
+
+impl Default for Placement {
+    fn default() -> Self {
+        Self { set: CoordinateSet::First, matrix: Mat2::IDENTITY, offset: Vec2::ZERO }
+    }
+}
+
+impl Placement {
+    /// Where a texture is looked up at a point with these coordinates of its set.
+    pub fn of(&self, coordinates: Vec2) -> Vec2 {
+        self.matrix * coordinates + self.offset
+    }
+
+    /// The rows of the matrix, then the offset.
+    pub fn numbers(&self) -> [f32; 6] {
+        let [a, c, b, d] = self.matrix.to_cols_array();
+        [a, b, c, d, self.offset.x, self.offset.y]
+    }
+}
+
 /// A picture on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
@@ -36,12 +77,14 @@ pub struct Texture {
     pub width: u32,
     /// Height in texels, from 1 to 16384.
     pub height: u32,
-    /// Row by row from the top: `width * height` of them.
-    pub texels: Texels,
+    /// Row by row from the top: `width * height` of them. Textures may share them.
+    pub texels: Arc<Texels>,
     /// How it goes on beyond its left and right edges, and beyond its upper and lower ones.
     pub wrap: [Wrap; 2],
     /// What is seen between texels.
     pub filter: TextureFilter,
+    /// Where it lies on surfaces.
+    pub placement: Placement,
 }
 
 /// The texels of a texture. What codes stand for is up to who looks them up: those of colours are
@@ -122,8 +165,14 @@ impl Texture {
 
     /// The same of any texels.
     pub fn of(width: u32, height: u32, texels: Texels) -> Self {
-        let wrap = [Wrap::Repeat; 2];
-        Self { width, height, texels, wrap, filter: TextureFilter::Linear }
+        Self {
+            width,
+            height,
+            texels: Arc::new(texels),
+            wrap: [Wrap::Repeat; 2],
+            filter: TextureFilter::Linear,
+            placement: Placement::default(),
+        }
     }
 
     /// The mean of a channel (red, green, blue or alpha: 0 to 3) as the share that codes stand
@@ -149,7 +198,7 @@ impl Texture {
 
     /// The largest component of any of its colours, linear Rec.709; 1 for codes.
     pub fn brightest(&self) -> f32 {
-        match &self.texels {
+        match &*self.texels {
             Texels::Floats(texels) => texels.as_flattened().iter().copied().fold(0.0, f32::max),
             Texels::Bytes(_) | Texels::Shorts(_) => 1.0,
         }
@@ -157,17 +206,23 @@ impl Texture {
 
     /// Whether any texel's fourth channel is below its largest code.
     pub fn has_alpha(&self) -> bool {
-        match &self.texels {
+        match &*self.texels {
             Texels::Bytes(texels) => texels.iter().any(|texel| texel[3] < u8::MAX),
             Texels::Shorts(texels) => texels.iter().any(|texel| texel[3] < u16::MAX),
             Texels::Floats(_) => false,
         }
     }
 
+    /// Whether it lies by itself, so that kernels need the ability
+    /// [`PLACED_TEXTURES`](raystream_shaders::scene::abilities::PLACED_TEXTURES).
+    pub(crate) fn is_placed(&self) -> bool {
+        self.placement != Placement::default()
+    }
+
     /// Whether kernels need the ability
     /// [`WIDE_TEXTURES`](raystream_shaders::scene::abilities::WIDE_TEXTURES) for it.
     pub(crate) fn is_wide(&self) -> bool {
-        !matches!(self.texels, Texels::Bytes(_)) || self.filter != TextureFilter::Linear
+        !matches!(*self.texels, Texels::Bytes(_)) || self.filter != TextureFilter::Linear
     }
 }
 

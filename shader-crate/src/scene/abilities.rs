@@ -61,6 +61,16 @@ pub const LIGHT_TREE: u32 = 1 << 15;
 /// Corners have [tangents](crate::scene::triangle::Tangents) of their own.
 pub const TANGENTS: u32 = 1 << 16;
 
+/// Textures [lie by themselves](crate::scene::texture): they say where, or there are two sets of
+/// texture coordinates.
+pub const PLACED_TEXTURES: u32 = 1 << 17;
+
+/// Textures say more of principled surfaces, see [`crate::scene::bsdf::layer_maps`].
+pub const LAYER_MAPS: u32 = 1 << 18;
+
+/// Coats have a normal of [their own](crate::scene::bsdf::cover).
+pub const COAT_NORMALS: u32 = 1 << 19;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

@@ -2,12 +2,14 @@
 
 use crate::glam::{Vec2, Vec3};
 use crate::math::packed::{NO_TANGENT, Tangent};
-use crate::scene::abilities::{Abilities, EMISSION_MAPS, PRINCIPLED, TEXTURES, VERTEX_COLOURS};
+use crate::scene::abilities::{
+    Abilities, COAT_NORMALS, EMISSION_MAPS, PRINCIPLED, TEXTURES, VERTEX_COLOURS,
+};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Material, MaterialKind};
 use crate::scene::ray::{Hit, Ray, SurfacePoint};
 use crate::scene::surface::SurfaceView;
-use crate::scene::texture::NO_TEXTURE;
+use crate::scene::texture::{Coordinates, NO_TEXTURE};
 use crate::scene::triangle::{NO_ATTRIBUTES, Triangle};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -25,8 +27,12 @@ pub struct Looks {
     pub shading: Vec3,
     /// See [`Bsdf::geometric`](crate::scene::bsdf::Bsdf::geometric); on the front.
     pub geometric: Vec3,
+    /// See [`Bsdf::coat`](crate::scene::bsdf::Bsdf::coat); on the front.
+    pub coat: Vec3,
     /// Packed, or [`NO_TANGENT`].
     pub tangent: u32,
+    /// See [`Layers::grain`].
+    pub heading: Vec2,
 }
 
 impl Looks {
@@ -47,24 +53,45 @@ impl Looks {
         if is_principled {
             layers = surfaces.layers(triangle.material);
         }
-        let (shading, geometric) = (point.normal, point.normal);
-        let mut looks = Self { material, layers, shading, geometric, tangent: NO_TANGENT };
+        let mut looks = Self {
+            material,
+            layers,
+            shading: point.normal,
+            geometric: point.normal,
+            coat: point.normal,
+            tangent: NO_TANGENT,
+            heading: Vec2::X,
+        };
         if triangle.attributes != NO_ATTRIBUTES {
             let a = surfaces.attributes_at(triangle.attributes, instance, hit);
             looks.shading = a.normal(hit, point.normal);
             looks.geometric = looks.shading;
+            looks.coat = looks.shading;
             looks.tangent = a.tangent;
             if surfaces.abilities.has(VERTEX_COLOURS) {
                 let colour = surfaces.colour(triangle.attributes, hit);
                 looks.material.reflectance *= colour.truncate();
             }
             if surfaces.abilities.has(TEXTURES) {
-                looks.look_up(surfaces, a.uv(hit), is_principled);
+                let place = surfaces.coordinates(&a, triangle.attributes, hit);
+                looks.look_up(surfaces, place, is_principled);
+                let maps = surfaces.layer_maps(triangle.material);
+                let has_maps = is_principled && surfaces.has_layer_maps();
+                if has_maps {
+                    let (layers, heading) = maps.applied(looks.layers, &surfaces.textures, place);
+                    (looks.layers, looks.heading) = (layers, heading);
+                }
+                let (direction, tangent) = (ray.direction, a.tangent);
                 let layers = &looks.layers;
-                if is_principled && layers.normal_map != NO_TEXTURE && a.tangent != NO_TANGENT {
-                    let slopes = layers.slopes(&surfaces.textures, a.uv(hit));
-                    let direction = ray.direction;
-                    looks.shading = bent(looks.shading, slopes, a.tangent, direction, point.normal);
+                if is_principled && layers.normal_map != NO_TEXTURE && tangent != NO_TANGENT {
+                    let slopes = layers.slopes(&surfaces.textures, place);
+                    looks.shading = bent(looks.shading, slopes, tangent, direction, point.normal);
+                    looks.geometric = point.normal;
+                }
+                let knows_coats = has_maps && surfaces.abilities.has(COAT_NORMALS);
+                if knows_coats && maps.coat_normal() != NO_TEXTURE && tangent != NO_TANGENT {
+                    let slopes = maps.coat_slopes(&surfaces.textures, place);
+                    looks.coat = bent(looks.coat, slopes, tangent, direction, point.normal);
                     looks.geometric = point.normal;
                 }
             }
@@ -72,24 +99,24 @@ impl Looks {
         looks
     }
 
-    /// Multiplies the numbers of the material by what its textures say at `uv`.
+    /// Multiplies the numbers of the material by what its textures say at a `place`.
     #[inline(always)]
     fn look_up<A: Abilities>(
         &mut self,
         surfaces: &SurfaceView<'_, A>,
-        uv: Vec2,
+        place: Coordinates,
         is_principled: bool,
     ) {
         let textures = &surfaces.textures;
         if self.material.texture != NO_TEXTURE {
-            self.material.reflectance *= textures.reflectance(self.material.texture, uv.x, uv.y);
+            self.material.reflectance *= textures.reflectance(self.material.texture, place);
         }
         if is_principled {
             let map = self.layers.emission_map;
             if surfaces.abilities.has(EMISSION_MAPS) && map != NO_TEXTURE {
-                self.material.emission *= textures.sample(map, uv.x, uv.y);
+                self.material.emission *= textures.sample(map, place);
             }
-            self.layers = self.layers.textured(textures, uv);
+            self.layers = self.layers.textured(textures, place);
         }
     }
 }

@@ -45,7 +45,7 @@ use surface::SurfaceView;
 use texture::TextureView;
 
 device_struct! {
-    /// What is the same for all of a scene. 80 bytes.
+    /// What is the same for all of a scene. 96 bytes.
     pub struct SceneParams {
         /// Radiance of the light that comes from all around where there is no surface, linear
         /// Rec.709.
@@ -87,6 +87,15 @@ device_struct! {
         pub first_light_tree: u32,
         /// Row of `surfaces` with the first tangents of corners, or [`triangle::NO_TANGENTS`].
         pub first_tangents: u32,
+        /// Row of `surfaces` with the first second texture coordinates of corners, or
+        /// [`triangle::NO_COORDINATES`].
+        pub first_coordinates: u32,
+        /// Row of `surfaces` with the first [maps of layers](bsdf::layer_maps); 0 if there are none.
+        pub first_layer_maps: u32,
+        /// Unused; zero.
+        pub pad: u32,
+        /// Unused; zero.
+        pub pad_too: u32,
     }
 }
 
@@ -131,6 +140,8 @@ impl<'a, A: Abilities> SceneView<'a, A> {
                 first_attributes: params.first_attributes,
                 first_colours: params.first_colours,
                 first_tangents: params.first_tangents,
+                first_coordinates: params.first_coordinates,
+                first_layer_maps: params.first_layer_maps,
                 first_material: params.first_material,
                 first_anisotropic: params.first_anisotropic,
                 first_albedos: params.first_light + params.lights * Light::ROWS,

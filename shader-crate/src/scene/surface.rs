@@ -1,14 +1,16 @@
 //! From a hit to what shading needs to know.
 
-use crate::glam::{UVec4, Vec3, Vec4};
+use crate::glam::{UVec4, Vec2, Vec3, Vec4};
 use crate::math::packed::NO_TANGENT;
 use crate::math::random::{hash, unit_float};
 use crate::memory::access::at;
 use crate::memory::rows::{four_rows, six_rows, three_rows, two_rows};
 use crate::scene::abilities::{
-    ANISOTROPY, Abilities, INSTANCES, MEDIA, TANGENTS, TEXTURES, VERTEX_COLOURS,
+    ANISOTROPY, Abilities, INSTANCES, LAYER_MAPS, MEDIA, PLACED_TEXTURES, TANGENTS, TEXTURES,
+    VERTEX_COLOURS,
 };
 use crate::scene::bsdf::albedo::{self, AlbedoView};
+use crate::scene::bsdf::layer_maps::{LayerMaps, LayerMapsView};
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind};
 use crate::scene::bvh::BvhView;
@@ -17,9 +19,10 @@ use crate::scene::light::tree::Vantage;
 use crate::scene::looks::Looks;
 use crate::scene::media::{Body, Interface, Media, MediaView, Sides};
 use crate::scene::ray::{Clearance, Hit, Ray, SurfacePoint};
-use crate::scene::texture::{NO_TEXTURE, TextureView};
+use crate::scene::texture::{Coordinates, NO_TEXTURE, TextureView};
 use crate::scene::triangle::{
-    Attributes, NO_ATTRIBUTES, NO_COLOURS, NO_TANGENTS, Tangents, Triangle, VertexColours,
+    Attributes, NO_ATTRIBUTES, NO_COLOURS, NO_COORDINATES, NO_TANGENTS, SecondCoordinates,
+    Tangents, Triangle, VertexColours,
 };
 
 /// The surfaces of a scene, for those who know what has been hit.
@@ -35,6 +38,10 @@ pub struct SurfaceView<'a, A> {
     pub first_colours: u32,
     /// See [`SceneParams::first_tangents`](crate::scene::SceneParams::first_tangents).
     pub first_tangents: u32,
+    /// See [`SceneParams::first_coordinates`](crate::scene::SceneParams::first_coordinates).
+    pub first_coordinates: u32,
+    /// See [`SceneParams::first_layer_maps`](crate::scene::SceneParams::first_layer_maps).
+    pub first_layer_maps: u32,
     /// Row of the first material.
     pub first_material: u32,
     /// Row of the tables of principled materials; see [`crate::scene`].
@@ -132,10 +139,31 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
         attributes
     }
 
-    /// The grain of a surface with these layers; zero where there is none.
+    /// The texture coordinates of `hit` on a triangle with these `attributes`, number `index`.
     #[inline(always)]
-    fn grain(&self, layers: &Layers, tangent: u32, shading: Vec3) -> Vec3 {
-        if self.abilities.has(ANISOTROPY) { layers.grain(tangent, shading) } else { Vec3::ZERO }
+    pub(super) fn coordinates(
+        &self,
+        attributes: &Attributes,
+        index: u32,
+        hit: &Hit,
+    ) -> Coordinates {
+        let mut coordinates = Coordinates::both(attributes.uv(hit));
+        if self.abilities.has(PLACED_TEXTURES) && self.first_coordinates != NO_COORDINATES {
+            let first = self.first_coordinates + index * SecondCoordinates::ROWS;
+            let second = SecondCoordinates::from_rows(two_rows(self.rows, first));
+            coordinates.second = second.at(hit);
+        }
+        coordinates
+    }
+
+    /// The grain of a surface with these layers, turned from the tangent to this `heading`; zero
+    /// where there is none.
+    #[inline(always)]
+    fn grain(&self, layers: &Layers, tangent: u32, heading: Vec2, shading: Vec3) -> Vec3 {
+        if !self.abilities.has(ANISOTROPY) {
+            return Vec3::ZERO;
+        }
+        layers.grain(tangent, heading, shading, self.abilities)
     }
 
     /// Makes a surface the boundary between what is on its sides, where bodies overlap.
@@ -172,6 +200,18 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
         Layers::from_rows(six_rows(self.rows, first))
     }
 
+    /// Whether textures say more of layers than most do.
+    #[inline(always)]
+    pub(super) fn has_layer_maps(&self) -> bool {
+        self.abilities.has(LAYER_MAPS) && self.first_layer_maps != 0
+    }
+
+    /// The textures of these layers of the principled material number `index`.
+    pub(super) fn layer_maps(&self, index: u32) -> LayerMapsView<'a> {
+        let first = self.first_layer_maps + index * LayerMaps::ROWS;
+        LayerMapsView { rows: self.rows, first }
+    }
+
     /// Whether there is a hole where `ray` made `hit`. What is half transparent has holes by
     /// chance, which the ray's own bits decide.
     pub fn is_hole(&self, ray: &Ray, hit: &Hit) -> bool {
@@ -191,8 +231,9 @@ impl<'a, A: Abilities> SurfaceView<'a, A> {
         }
         let is_textured = material.texture != NO_TEXTURE && has_attributes;
         if self.abilities.has(TEXTURES) && is_textured {
-            let uv = self.attributes(triangle.attributes, NO_INSTANCE).uv(hit);
-            alpha *= self.textures.codes(material.texture, uv.x, uv.y).w;
+            let attributes = self.attributes(triangle.attributes, NO_INSTANCE);
+            let place = self.coordinates(&attributes, triangle.attributes, hit);
+            alpha *= self.textures.codes(material.texture, place).w;
         }
         let Vec3 { x, y, z } = ray.direction;
         let bits = hash(x.to_bits() ^ hash(y.to_bits() ^ hash(z.to_bits() ^ hit.t.to_bits())));
@@ -275,11 +316,11 @@ impl<'a, F: Abilities> Surface<'a, F> {
         let from_front = ray.direction.dot(point.normal) < 0.0;
         let Looks { material, layers, .. } = &mut looks;
         surfaces.bound(material, layers, triangle.material, from_front, sides);
-        let Looks { material, layers, shading, geometric, tangent } = looks;
+        let Looks { material, layers, shading, geometric, coat, tangent, heading } = looks;
         let from_outside = ray.direction.dot(shading) < 0.0;
-        let grain = surfaces.grain(&layers, tangent, shading);
+        let grain = surfaces.grain(&layers, tangent, heading, shading);
         let side = if from_outside { 1.0 } else { -1.0 };
-        let normals = [shading * side, geometric * side, grain];
+        let normals = [shading * side, geometric * side, coat * side, grain];
         let (albedos, abilities) = (surfaces.albedos(), surfaces.abilities);
         Self {
             point,

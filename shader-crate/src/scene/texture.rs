@@ -12,12 +12,18 @@
 //! SHORTS: two words a texel, 0xGGGGRRRR 0xAAAABBBB
 //! FLOATS: three words a texel, the bits of linear red, green and blue
 //! ```
+//!
+//! A texture that is [`PLACED`], as the word of its height says, looks up its texels at coordinates
+//! that it makes of those of the surface, whose first set it takes, or the [`SECOND`]. Its texels
+//! may be those of another texture, and so seven words stand before any: the number of the first
+//! texel's word, then the bits of `a`, `b`, `c`, `d`, `x`, `y`. It is looked up at `(a u + b v + x,
+//! c u + d v + y)`.
 
-use crate::glam::{Vec3, Vec4};
+use crate::glam::{Vec2, Vec3, Vec4};
 use crate::math::elementary::pow;
 use crate::math::packed::{LARGEST_SHORT, shorts};
 use crate::memory::access::at;
-use crate::scene::abilities::{Abilities, WIDE_TEXTURES};
+use crate::scene::abilities::{Abilities, PLACED_TEXTURES, WIDE_TEXTURES};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -40,12 +46,34 @@ pub const SHORTS: u32 = 1 << 18;
 pub const FLOATS: u32 = 2 << 18;
 /// The nearest texel is shown, and not a mixture of four.
 pub const NEAREST: u32 = 1 << 20;
+/// The texture says where it lies; in the word of the height.
+pub const PLACED: u32 = 1 << 18;
+/// It takes the second set of texture coordinates; in the word of the height.
+pub const SECOND: u32 = 1 << 19;
+/// Words between the height and the texels of a texture that is [`PLACED`].
+pub const PLACEMENT_WORDS: u32 = 7;
 /// The bits of a side's length.
 const LENGTH: u32 = 0xffff;
 /// The bits that say what texels are.
 const FORMAT: u32 = 3 << 18;
 /// The bits of a side: its length, and how the texture goes on.
 const SIDE: u32 = 0x3_ffff;
+
+/// The texture coordinates of a point, `v` upwards.
+#[derive(Clone, Copy)]
+pub struct Coordinates {
+    /// The first set.
+    pub first: Vec2,
+    /// The second one, where there is one.
+    pub second: Vec2,
+}
+
+impl Coordinates {
+    /// Both sets alike.
+    pub fn both(uv: Vec2) -> Self {
+        Self { first: uv, second: uv }
+    }
+}
 
 /// The textures of a scene; see the module's text for the layout.
 #[derive(Clone, Copy)]
@@ -60,10 +88,10 @@ impl<'a, A: Abilities> TextureView<'a, A> {
         Self { words, abilities }
     }
 
-    /// Linear Rec.709 colour of `texture` at `(u, v)`; `v = 0` is the bottom edge, texel centres
+    /// Linear Rec.709 colour of `texture` at a point; `v = 0` is the bottom edge, texel centres
     /// are at half-integers. It is in [0, 1], but for textures of floats: these have no upper end.
-    pub fn sample(&self, texture: u32, u: f32, v: f32) -> Vec3 {
-        let near = self.neighbours(texture, u, v);
+    pub fn sample(&self, texture: u32, place: Coordinates) -> Vec3 {
+        let near = self.neighbours(texture, place);
         let (across, format) = (near.across, near.format);
         let upper = self.texel(near.upper_left, format);
         let upper = upper.lerp(self.texel(near.upper_right, format), across);
@@ -73,15 +101,15 @@ impl<'a, A: Abilities> TextureView<'a, A> {
     }
 
     /// The same as a share of light, in [0, 1]: what is above is 1.
-    pub fn reflectance(&self, texture: u32, u: f32, v: f32) -> Vec3 {
-        let colour = self.sample(texture, u, v);
+    pub fn reflectance(&self, texture: u32, place: Coordinates) -> Vec3 {
+        let colour = self.sample(texture, place);
         if self.abilities.has(WIDE_TEXTURES) { colour.min(Vec3::ONE) } else { colour }
     }
 
-    /// The four channels of `texture` at `(u, v)` as they are coded, from 0 to 1. Those of floats
+    /// The four channels of `texture` at a point as they are coded, from 0 to 1. Those of floats
     /// stand for themselves, up to 1, and their fourth channel is 1.
-    pub fn codes(&self, texture: u32, u: f32, v: f32) -> Vec4 {
-        let near = self.neighbours(texture, u, v);
+    pub fn codes(&self, texture: u32, place: Coordinates) -> Vec4 {
+        let near = self.neighbours(texture, place);
         let (across, format) = (near.across, near.format);
         let upper = self.code(near.upper_left, format);
         let upper = upper.lerp(self.code(near.upper_right, format), across);
@@ -90,8 +118,15 @@ impl<'a, A: Abilities> TextureView<'a, A> {
         upper.lerp(lower, near.down)
     }
 
-    fn neighbours(&self, texture: u32, u: f32, v: f32) -> Neighbours {
-        let (mut across, down) = (at(self.words, texture), at(self.words, texture + 1));
+    fn neighbours(&self, texture: u32, place: Coordinates) -> Neighbours {
+        let (mut across, mut down) = (at(self.words, texture), at(self.words, texture + 1));
+        let (mut uv, mut first) = (place.first, texture + 2);
+        if self.abilities.has(PLACED_TEXTURES) && down & PLACED != 0 {
+            uv = self.placed(texture + 3, if down & SECOND != 0 { place.second } else { uv });
+            first = at(self.words, texture + 2);
+            down &= SIDE;
+        }
+        let Vec2 { x: u, y: v } = uv;
         let (mut format, mut is_nearest) = (BYTES, false);
         if self.abilities.has(WIDE_TEXTURES) {
             format = across & FORMAT;
@@ -104,7 +139,6 @@ impl<'a, A: Abilities> TextureView<'a, A> {
         let (left, top) = (x.floor(), y.floor());
         let (x0, x1) = (wrap(left, width, across), wrap(left + 1.0, width, across));
         let (y0, y1) = (wrap(top, height, down), wrap(top + 1.0, height, down));
-        let first = texture + 2;
         // The formats are numbered by their words, less one.
         let words = if self.abilities.has(WIDE_TEXTURES) { 1 + (format >> 18) } else { 1 };
         let (x, y) = (x - left, y - top);
@@ -117,6 +151,14 @@ impl<'a, A: Abilities> TextureView<'a, A> {
             down: if is_nearest { half_up(y) } else { y },
             format,
         }
+    }
+
+    /// Where a texture is looked up whose `a` is word number `first`.
+    fn placed(&self, first: u32, uv: Vec2) -> Vec2 {
+        Vec2::new(
+            self.number(first) * uv.x + self.number(first + 1) * uv.y + self.number(first + 4),
+            self.number(first + 2) * uv.x + self.number(first + 3) * uv.y + self.number(first + 5),
+        )
     }
 
     /// The linear colour of the texel whose first word is number `place`.
@@ -163,7 +205,11 @@ impl<'a, A: Abilities> TextureView<'a, A> {
     }
 
     fn decode(&self, srgb: u32) -> f32 {
-        f32::from_bits(at(self.words, srgb))
+        self.number(srgb)
+    }
+
+    fn number(&self, word: u32) -> f32 {
+        f32::from_bits(at(self.words, word))
     }
 }
 

@@ -6,6 +6,7 @@
 //! attributes: normal 0, u0 | normal 1, v0 | normal 2, u1 | v1, u2, v2, tangent
 //! colours:    0, 1 | 2
 //! tangents:   0, 1, 2
+//! second:     u0, v0, u1, v1 | u2, v2
 //! ```
 //!
 //! Row layout: see [`crate::memory::rows`].
@@ -28,6 +29,9 @@ pub const NO_COLOURS: u32 = u32::MAX;
 
 /// Row of the first tangents where corners have none of their own.
 pub const NO_TANGENTS: u32 = u32::MAX;
+
+/// Row of the first second texture coordinates where corners have none.
+pub const NO_COORDINATES: u32 = u32::MAX;
 
 /// How near a point may be to an edge of its triangle, in roundings of the largest coordinate of
 /// the ray that found it: those of the ray's end, which is that far off its line, and of where it
@@ -134,6 +138,40 @@ device_struct! {
         pub corners: [[u32; 2]; 3],
         /// Unused; zero.
         pub pad: [u32; 2],
+    }
+}
+
+device_struct! {
+    /// The second texture coordinates at the corners of one triangle, those of the same number as
+    /// its attributes. 32 bytes.
+    pub struct SecondCoordinates {
+        /// `u` and `v` of each corner.
+        pub corners: [[f32; 2]; 3],
+        /// Unused; zero.
+        pub pad: [u32; 2],
+    }
+}
+
+impl SecondCoordinates {
+    /// Rows of one.
+    pub const ROWS: u32 = 2;
+
+    /// Unpacks the two rows.
+    pub fn from_rows(rows: [UVec4; 2]) -> Self {
+        let [first, second] = rows;
+        let pair = |u: u32, v: u32| [f32::from_bits(u), f32::from_bits(v)];
+        Self {
+            corners: [pair(first.x, first.y), pair(first.z, first.w), pair(second.x, second.y)],
+            pad: [second.z, second.w],
+        }
+    }
+
+    /// The coordinates of `hit`, `v` upwards.
+    #[inline(always)]
+    pub fn at(&self, hit: &Hit) -> Vec2 {
+        let w = 1.0 - hit.u - hit.v;
+        let [[u0, v0], [u1, v1], [u2, v2]] = self.corners;
+        Vec2::new(u0, v0) * w + Vec2::new(u1, v1) * hit.u + Vec2::new(u2, v2) * hit.v
     }
 }
 

@@ -250,6 +250,13 @@ fn smooth_normals() {
     }
 }
 
+/// Paths from the lights ask for covers and coats with the directions changed, and look textures up
+/// where they lie.
+#[test]
+fn a_painted_ball() {
+    assert_agreement(&scenes::painted(), 8192, "a painted ball");
+}
+
 /// Light vertices inside glass: densities change by the square of the index.
 #[test]
 fn a_ball_in_a_block_of_glass() {

@@ -2,6 +2,7 @@
 
 mod conductor;
 mod diffuse;
+mod layer_maps;
 mod maps;
 mod principled;
 mod specular;

@@ -143,33 +143,35 @@ fn probabilities(bsdf: &Bsdf<'_, Fixed<ALL>>, incoming: Vec3) -> Vec<f64> {
 #[test]
 fn directions_follow_the_density_and_eval_says_the_same() {
     for (name, material) in rough_ones().into_iter().chain(covered_ones()) {
-        let floor = floor(material);
-        for (degrees, is_above) in [(10.0, true), (60.0, true), (80.0, true), (40.0, false)] {
-            let incoming = arriving(degrees, is_above);
-            let bsdf = met(&floor, incoming);
-            let expected: Vec<f64> =
-                probabilities(&bsdf, incoming).iter().map(|p| p * f64::from(COUNT)).collect();
-            for (kind, sampler) in SAMPLERS {
-                let cells = samples(bsdf, incoming, kind).map(|sample| {
-                    let said = bsdf.eval(incoming, sample.direction);
-                    if sample.weight == Vec3::ZERO {
-                        return COSINES * AZIMUTHS;
-                    }
-                    let both = sample.pdf.max(said.pdf);
-                    assert!((sample.pdf - said.pdf).abs() <= 2e-3 * both, "{name}: density");
-                    let difference = (sample.weight - said.weight).abs().max_element();
-                    let largest = sample.weight.max_element().max(1.0);
-                    let is_close = difference <= 2e-3 * largest;
-                    assert!(is_close, "{name}: {} {}", sample.weight, said.weight);
-                    sphere_cell(sample.direction)
-                });
-                let counts = histogram(COSINES * AZIMUTHS + 1, cells);
-                let what = format!(
-                    "{name} of roughness {} at {degrees} degrees, {is_above}, {sampler}",
-                    material.roughness
-                );
-                assert_chi_square(&counts, &expected, &what);
-            }
+        let name = format!("{name} of roughness {}", material.roughness);
+        assert_directions_follow_the_density(&name, &floor(material));
+    }
+}
+
+/// That samples of what is met on a floor are as the density says, and weigh as `eval` does.
+pub fn assert_directions_follow_the_density(name: &str, floor: &PreparedScene) {
+    for (degrees, is_above) in [(10.0, true), (60.0, true), (80.0, true), (40.0, false)] {
+        let incoming = arriving(degrees, is_above);
+        let bsdf = met(floor, incoming);
+        let expected: Vec<f64> =
+            probabilities(&bsdf, incoming).iter().map(|p| p * f64::from(COUNT)).collect();
+        for (kind, sampler) in SAMPLERS {
+            let cells = samples(bsdf, incoming, kind).map(|sample| {
+                let said = bsdf.eval(incoming, sample.direction);
+                if sample.weight == Vec3::ZERO {
+                    return COSINES * AZIMUTHS;
+                }
+                let both = sample.pdf.max(said.pdf);
+                assert!((sample.pdf - said.pdf).abs() <= 2e-3 * both, "{name}: density");
+                let difference = (sample.weight - said.weight).abs().max_element();
+                let largest = sample.weight.max_element().max(1.0);
+                let is_close = difference <= 2e-3 * largest;
+                assert!(is_close, "{name}: {} {}", sample.weight, said.weight);
+                sphere_cell(sample.direction)
+            });
+            let counts = histogram(COSINES * AZIMUTHS + 1, cells);
+            let what = format!("{name} at {degrees} degrees, {is_above}, {sampler}");
+            assert_chi_square(&counts, &expected, &what);
         }
     }
 }

@@ -226,7 +226,14 @@ fn textures_of_emission_are_shown() {
     assert!(matches!(gone.materials[0], Material::Emissive { .. }), "{:?}", gone.materials);
     assert_warns(&gone, &["no effect", "`map_Kd` of `plain`"]);
     let moved = scene(SQUARE, "newmtl plain\nmap_Kd t.png\nmap_Ke -s 2 t.png\n");
-    assert_warns(&moved, &["no effect", "place of", "t.png"]);
+    assert_eq!(moved.warnings, [""; 0]);
+    let maps = moved.materials[0].principled().expect("it glows").maps;
+    let at = |texture: Option<TextureId>| {
+        let placement = moved.textures[texture.expect("one").0 as usize].placement;
+        placement.of(Vec2::new(0.25, 0.5))
+    };
+    assert_eq!(at(maps.base_colour), Vec2::new(0.25, 0.5));
+    assert_eq!(at(maps.emission), Vec2::new(0.5, 0.5));
 }
 
 #[test]

@@ -43,23 +43,23 @@ fn what_paint_and_metal_lack_is_said_once_for_each_kind() {
         "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 0.5]},
         "emissiveFactor": [1, 1, 1],
         "extensions": {
-            "KHR_materials_clearcoat":
-                {"clearcoatFactor": 1, "clearcoatNormalTexture": {"index": 0}},
-            "KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyTexture": {}},
             "KHR_materials_iridescence": {"iridescenceFactor": 0},
             "KHR_materials_transmission": {"transmissionFactor": 1},
+            "KHR_materials_volume": {"thicknessFactor": 1, "thicknessTexture": {"index": 0}},
         },
     }));
     let scene = gltf.scene();
-    for what in [
-        "what textures say of anisotropy is left out",
-        "a coat follows the corners' normals: `clearcoatNormalTexture`",
-        "what emits is opaque: `alphaMode`",
-        "lamps shine from the front alone: `doubleSided`",
-    ] {
+    for what in
+        ["what emits is opaque: `alphaMode`", "lamps shine from the front alone: `doubleSided`"]
+    {
         assert_warns(&scene, &["a.glb: ", what]);
     }
     assert!(!format!("{:?}", scene.warnings).contains("thin films"), "{:?}", scene.warnings);
+    let details = scene.details.join("\n");
+    assert!(
+        details.contains("its mesh is thick, whatever this says: `thicknessTexture`"),
+        "{details}"
+    );
     assert_eq!(principled(&scene).transmission, 1.0);
 }
 
@@ -194,14 +194,21 @@ fn transforms_that_all_textures_share_are_baked() {
     assert_eq!(found, [Vec2::new(0.25, 0.5), Vec2::new(2.25, 0.5), Vec2::new(0.25, -0.5)]);
     assert!(!format!("{:?}", scene.warnings).contains("transform"), "{:?}", scene.warnings);
 
+    // Where they lie differently, coordinates are the file's and each lies by itself.
     gltf.json["materials"][0]["normalTexture"] = moved(0.5);
     let scene = gltf.scene();
-    assert_eq!(scene.meshes[0].texture_coordinates.as_ref().unwrap()[0], found);
-    assert_warns(&scene, &["one set of texture coordinates", "`normalTexture` of `a`"]);
+    let found = scene.meshes[0].texture_coordinates.as_ref().unwrap()[0];
+    assert_eq!(found, [Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0), Vec2::new(0.0, 0.75)]);
+    let maps = principled(&scene).maps;
+    let placement = |texture: TextureId| scene.textures[texture.0 as usize].placement;
+    assert_eq!(placement(maps.base_colour.unwrap()).of(found[0]), Vec2::new(0.25, 0.5));
+    assert_eq!(placement(maps.normal.unwrap().texture).of(found[1]), Vec2::new(2.5, 0.5));
+    assert!(!format!("{:?}", scene.warnings).contains("coordinates"), "{:?}", scene.warnings);
     // The extension may name another set.
     let mut other = moved(0.25);
     other["extensions"]["KHR_texture_transform"]["texCoord"] = json!(1);
     gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = other;
+    gltf.json["materials"][0].as_object_mut().unwrap().remove("normalTexture");
     let scene = gltf.scene();
     assert_eq!(
         scene.meshes[0].texture_coordinates.as_ref().unwrap()[0],
@@ -277,7 +284,7 @@ fn webp_is_read_in_place_of_the_other_picture() {
         json!({"source": other, "extensions": {"EXT_texture_webp": {"source": image}}}),
     );
     let scene = gltf.scene();
-    assert_eq!(scene.textures[0].texels, Texels::Bytes(vec![[1, 2, 3, 255]]));
+    assert_eq!(*scene.textures[0].texels, Texels::Bytes(vec![[1, 2, 3, 255]]));
     assert_eq!(principled(&scene).maps.base_colour, Some(TextureId(0)));
 }
 

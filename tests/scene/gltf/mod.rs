@@ -4,6 +4,7 @@ mod animation;
 mod broken;
 mod draco;
 mod geometry;
+mod layouts;
 mod materials;
 mod meshopt;
 mod models;

@@ -45,9 +45,13 @@ fn gltf() -> Gltf {
             "extensions": {
                 "KHR_materials_emissive_strength": {"emissiveStrength": 2},
                 "KHR_materials_ior": {"ior": 1.75},
-                "KHR_materials_specular": {"specularColorFactor": [1, 0.5, 0.25]},
+                "KHR_materials_specular": {
+                    "specularTexture": {"index": numbers},
+                    "specularColorFactor": [1, 0.5, 0.25], "specularColorTexture": {"index": numbers},
+                },
                 "KHR_materials_volume": {"thicknessFactor": 1},
-                "KHR_materials_transmission": {"transmissionFactor": 0.25},
+                "KHR_materials_transmission":
+                    {"transmissionFactor": 0.25, "transmissionTexture": {"index": numbers}},
             },
         }),
     );
@@ -82,8 +86,10 @@ fn code() -> Scene {
             roughness: channel(numbers, 1),
             metallic: channel(numbers, 2),
             normal: Some(NormalMap { texture: numbers, scale: 0.5 }),
-            emission: None,
-            bump: None,
+            specular: channel(numbers, 3),
+            specular_colour: Some(numbers),
+            transmission: channel(numbers, 0),
+            ..Maps::default()
         },
         ..Principled::paint(Vec3::ONE, 0.5)
     }));

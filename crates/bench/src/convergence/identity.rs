@@ -4,9 +4,9 @@ use raystream::exec::kernels::SPIRV;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
-    Anisotropy, Attenuation, BumpMap, Camera, Channel, Conductor, Instance, Lens, Maps, Material,
-    Opacity, Principled, Projection, PunctualLight, Reflectance, Scene, Texels, TextureFilter,
-    TextureId,
+    Anisotropy, Attenuation, BumpMap, Camera, Channel, Conductor, CoordinateSet, Instance, Lens,
+    Maps, Material, Opacity, Placement, Principled, Projection, PunctualLight, Reflectance, Scene,
+    Texels, Texture, TextureFilter, TextureId,
 };
 use sha2::{Digest, Sha256};
 
@@ -77,6 +77,9 @@ fn scene_digest(scene: &Scene) -> String {
         add(&mut hasher, mesh.normals.as_deref().unwrap_or_default().as_flattened());
         let coordinates = mesh.texture_coordinates.as_deref().unwrap_or_default();
         add(&mut hasher, coordinates.as_flattened());
+        if let Some(second) = &mesh.second_coordinates {
+            add(&mut hasher, second.as_flattened());
+        }
         if let Some(colours) = &mesh.colours {
             add(&mut hasher, colours.as_flattened());
         }
@@ -89,15 +92,7 @@ fn scene_digest(scene: &Scene) -> String {
         add_material(&mut hasher, material);
     }
     for texture in &scene.textures {
-        add(&mut hasher, &[texture.width, texture.height]);
-        match &texture.texels {
-            Texels::Bytes(texels) => add(&mut hasher, texels),
-            Texels::Shorts(texels) => add(&mut hasher, texels),
-            Texels::Floats(texels) => add(&mut hasher, texels),
-        }
-        if texture.filter != TextureFilter::Linear {
-            hasher.update([1]);
-        }
+        add_texture(&mut hasher, texture);
     }
     if let Some(environment) = &scene.environment {
         add(&mut hasher, &[environment.width, environment.height]);
@@ -128,6 +123,22 @@ fn scene_digest(scene: &Scene) -> String {
 fn add<T: bytemuck::NoUninit>(hasher: &mut Sha256, values: &[T]) {
     hasher.update((values.len() as u64).to_le_bytes());
     hasher.update(bytemuck::cast_slice::<T, u8>(values));
+}
+
+fn add_texture(hasher: &mut Sha256, texture: &Texture) {
+    add(hasher, &[texture.width, texture.height]);
+    match &*texture.texels {
+        Texels::Bytes(texels) => add(hasher, texels),
+        Texels::Shorts(texels) => add(hasher, texels),
+        Texels::Floats(texels) => add(hasher, texels),
+    }
+    if texture.filter != TextureFilter::Linear {
+        hasher.update([1]);
+    }
+    if texture.placement != Placement::default() {
+        add(hasher, &texture.placement.numbers());
+        hasher.update([u8::from(texture.placement.set == CoordinateSet::Second)]);
+    }
 }
 
 fn add_material(hasher: &mut Sha256, material: &Material) {
@@ -241,6 +252,29 @@ fn add_maps(hasher: &mut Sha256, maps: &Maps) {
     let texture = |map: Option<TextureId>| map.map_or(u32::MAX, |map| map.0);
     let channel =
         |map: Option<Channel>| map.map_or([u32::MAX; 2], |map| [map.texture.0, map.channel]);
+    let layers = [
+        maps.coat.map(|map| map.texture),
+        maps.coat_roughness.map(|map| map.texture),
+        maps.coat_normal.map(|map| map.texture),
+        maps.sheen,
+        maps.sheen_roughness.map(|map| map.texture),
+        maps.transmission.map(|map| map.texture),
+        maps.specular.map(|map| map.texture),
+        maps.specular_colour,
+        maps.anisotropy,
+    ];
+    if layers.iter().any(Option::is_some) {
+        add(hasher, &layers.map(texture));
+        let shares = [
+            maps.coat,
+            maps.coat_roughness,
+            maps.sheen_roughness,
+            maps.transmission,
+            maps.specular,
+        ];
+        add(hasher, &shares.map(|map| map.map_or(0, |map| map.channel)));
+        add(hasher, &[maps.coat_normal.map_or(1.0, |map| map.scale)]);
+    }
     let [roughness, metallic] = [maps.roughness, maps.metallic].map(channel);
     add(hasher, &[texture(maps.base_colour), texture(maps.normal.map(|map| map.texture))]);
     add(hasher, &[roughness, metallic].concat());

@@ -2,9 +2,10 @@
 
 use super::geometry::Geometry;
 use super::scene_triangle::SceneTriangle;
-use crate::scene::{BumpMap, Material, NormalMap, Scene, Texels, Texture, TextureId, Wrap};
-use glam::{DVec2, DVec3, Vec3};
-use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES};
+use crate::scene::{
+    BumpMap, Material, NormalMap, Placement, Scene, Texels, Texture, TextureId, Wrap,
+};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// A material whose texture is so unevenly large on its surfaces, as a standard deviation over the
 /// mean, is one to speak of.
@@ -38,7 +39,7 @@ impl NormalMaps {
         let bump = |material: &Material| material.principled().and_then(|p| p.maps.bump);
         let mut densities = Vec::new();
         if scene.materials.iter().any(|material| bump(material).is_some()) {
-            densities = densities_of(scene.materials.len(), geometry);
+            densities = densities_of(scene, geometry);
         }
         for (index, material) in scene.materials.iter().enumerate() {
             let own = material.principled().and_then(|p| p.maps.normal);
@@ -70,16 +71,21 @@ impl Density {
 
 /// For each material the density of its texture. That of a shape with instances is as in its own
 /// space, once.
-fn densities_of(materials: usize, geometry: &Geometry) -> Vec<Density> {
-    let mut densities = vec![Density::default(); materials];
+fn densities_of(scene: &Scene, geometry: &Geometry) -> Vec<Density> {
+    let place = |material: &Material| {
+        let bump = material.principled().and_then(|principled| principled.maps.bump);
+        bump.map(|map| scene.textures[map.texture.0 as usize].placement)
+    };
+    let places: Vec<Option<Placement>> = scene.materials.iter().map(place).collect();
+    let mut densities = vec![Density::default(); places.len()];
     let shapes = geometry.shapes.iter().map(|shape| &shape.own);
     for triangle in shapes.chain([&geometry.world]).flat_map(|them| &them.triangles) {
-        if triangle.attributes == NO_ATTRIBUTES {
-            continue;
-        }
-        let attributes = &geometry.corners.attributes[triangle.attributes as usize];
-        let Some(density) = densities.get_mut(triangle.material as usize) else { continue };
-        let (area, gradients) = gradients(triangle, attributes);
+        let material = triangle.material as usize;
+        let Some(Some(place)) = places.get(material) else { continue };
+        let corners = geometry.corners.coordinates(triangle.attributes, place.set);
+        let Some(corners) = corners else { continue };
+        let (area, gradients) = gradients(triangle, corners.map(|uv| place.of(uv.into())));
+        let density = &mut densities[material];
         density.area += area;
         density.sum += gradients * area;
         density.squares += gradients * gradients * area;
@@ -89,23 +95,23 @@ fn densities_of(materials: usize, geometry: &Geometry) -> Vec<Density> {
 
 /// The area of a triangle, and how fast its texture coordinates grow where they grow fastest, by
 /// world unit.
-fn gradients(triangle: &SceneTriangle, attributes: &Attributes) -> (f64, DVec2) {
+fn gradients(triangle: &SceneTriangle, coordinates: [Vec2; 3]) -> (f64, DVec2) {
     let [a, b, c] = triangle.corners.map(Vec3::as_dvec3);
     let (edge1, edge2): (DVec3, DVec3) = (b - a, c - a);
     let doubled = edge1.cross(edge2).length();
-    let Attributes { u0, v0, u1, v1, u2, v2, .. } = attributes;
     let of = |[first, second, third]: [f32; 3]| {
         let [along1, along2] = [second, third].map(|value| f64::from(value) - f64::from(first));
         // The gradient of what grows so much along the two edges.
         (edge2 * along1 - edge1 * along2).length() / doubled
     };
-    (0.5 * doubled, DVec2::new(of([*u0, *u1, *u2]), of([*v0, *v1, *v2])))
+    let (u, v) = (coordinates.map(|uv| uv.x), coordinates.map(|uv| uv.y));
+    (0.5 * doubled, DVec2::new(of(u), of(v)))
 }
 
 /// The map of normals of a picture of heights, of its size: by differences of the texels on both
 /// sides, where the texture lies `density` times on a unit of height.
 fn normals(heights: &Texture, density: DVec2) -> Texture {
-    let Texture { width, height, wrap, filter, .. } = *heights;
+    let Texture { width, height, wrap, filter, placement, .. } = *heights;
     let values = values(&heights.texels);
     let neighbour = |place: u32, step: i64, size: u32, wrap: Wrap| match wrap {
         Wrap::Clamp => (i64::from(place) + step).clamp(0, i64::from(size) - 1) as usize,
@@ -128,7 +134,7 @@ fn normals(heights: &Texture, density: DVec2) -> Texture {
     };
     let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let texels = texels.map(|(x, y)| texel(x, y)).collect();
-    Texture { wrap, filter, ..Texture::of(width, height, Texels::Shorts(texels)) }
+    Texture { wrap, filter, placement, ..Texture::of(width, height, Texels::Shorts(texels)) }
 }
 
 /// The heights of texels: the means of their three colours, linear.
@@ -172,7 +178,7 @@ mod tests {
     }
 
     fn decoded(texture: &Texture, x: u32, y: u32) -> Vec3 {
-        let Texels::Shorts(texels) = &texture.texels else { panic!("normals have 16 bits") };
+        let Texels::Shorts(texels) = &*texture.texels else { panic!("normals have 16 bits") };
         let [r, g, b, _] = texels[(y * texture.width + x) as usize];
         Vec3::from([r, g, b].map(|code| f32::from(code) / 32_767.5 - 1.0))
     }
@@ -233,7 +239,7 @@ mod tests {
             position.z = 1.0;
         }
         let maps = NormalMaps::new(&scene, &gather(&scene));
-        let density = densities_of(1, &gather(&scene))[0];
+        let density = densities_of(&scene, &gather(&scene))[0];
         assert!((density.mean() - DVec2::splat(2.0)).length() < 1e-6, "{}", density.mean());
         assert_eq!(maps.uneven, 1);
     }

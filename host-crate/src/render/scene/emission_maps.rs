@@ -1,14 +1,14 @@
 //! The triangles whose emission a texture says, see [`raystream_shaders::scene::light`].
 
+use super::geometry::Corners;
 use super::scene_triangle::SceneTriangle;
 use super::textures::Textures;
-use crate::scene::{Material, Scene, Texture, TextureId};
+use crate::scene::{Material, Placement, Scene, Texture, TextureId};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use raystream_shaders::scene::abilities::{ALL, Fixed};
 use raystream_shaders::scene::light::{EmissionMap, importance};
-use raystream_shaders::scene::texture::TextureView;
-use raystream_shaders::scene::triangle::Attributes;
+use raystream_shaders::scene::texture::{Coordinates, TextureView};
 
 /// A triangle is looked at in at most this many parts along a side.
 const MAX_PARTS: u32 = 64;
@@ -32,7 +32,7 @@ pub struct MappedEmission {
 pub fn of_triangles(
     scene: &Scene,
     triangles: &[SceneTriangle],
-    attributes: &[Attributes],
+    corners: &Corners,
     textures: &Textures,
 ) -> Vec<Option<MappedEmission>> {
     let mapped: Vec<Option<(Vec3, TextureId)>> = scene.materials.iter().map(mapped).collect();
@@ -45,17 +45,12 @@ pub fn of_triangles(
     let view = TextureView::new(&textures.words, Fixed::<ALL>);
     let of_triangle = |triangle: &SceneTriangle| {
         let (emission, texture) = (*mapped.get(triangle.material as usize)?)?;
-        let corners = attributes.get(triangle.attributes as usize)?;
-        let map = EmissionMap {
-            uv0: [corners.u0, corners.v0],
-            uv1: [corners.u1, corners.v1],
-            uv2: [corners.u2, corners.v2],
-            texture: textures.places[texture.0 as usize],
-            pad: 0,
-        };
         let picture = &scene.textures[texture.0 as usize];
+        let [uv0, uv1, uv2] = corners.coordinates(triangle.attributes, picture.placement.set)?;
+        let texture_place = textures.places[texture.0 as usize];
+        let map = EmissionMap { uv0, uv1, uv2, texture: texture_place, pad: 0 };
         let size = Vec2::new(picture.width as f32, picture.height as f32);
-        let found = mean(&view, &map, emission, size);
+        let found = mean(&view, &map, emission, size, picture.placement);
         let least = LEAST_SHARE * importance(emission) * means[texture.0 as usize];
         let (importance, peak) = (found.max(least), peaks[texture.0 as usize]);
         Some(MappedEmission { importance, peak, map })
@@ -72,10 +67,16 @@ fn mapped(material: &Material) -> Option<(Vec3, TextureId)> {
 
 /// The mean importance under a triangle, of what the kernels look up: at the middles of parts no
 /// larger than a texel, unless these would be too many.
-fn mean(view: &TextureView<'_, Fixed<ALL>>, map: &EmissionMap, emission: Vec3, size: Vec2) -> f32 {
+fn mean(
+    view: &TextureView<'_, Fixed<ALL>>,
+    map: &EmissionMap,
+    emission: Vec3,
+    size: Vec2,
+    placement: Placement,
+) -> f32 {
     let [a, b, c] = [map.uv0, map.uv1, map.uv2].map(Vec2::from);
-    let longest =
-        [b - a, c - b, a - c].map(|edge| (edge * size).length()).into_iter().fold(0.0, f32::max);
+    let on_texture = |edge: Vec2| (placement.matrix * edge * size).length();
+    let longest = [b - a, c - b, a - c].map(on_texture).into_iter().fold(0.0, f32::max);
     let parts = (longest.ceil() as u32).clamp(1, MAX_PARTS);
     let mut sum = 0.0;
     for row in 0..parts {
@@ -83,7 +84,9 @@ fn mean(view: &TextureView<'_, Fixed<ALL>>, map: &EmissionMap, emission: Vec3, s
             let mut add = |third: f32| {
                 let (s, t) = (row as f32 + third, column as f32 + third);
                 let uv = a + ((b - a) * s + (c - a) * t) / parts as f32;
-                sum += f64::from(importance(emission * view.sample(map.texture, uv.x, uv.y)));
+                sum += f64::from(importance(
+                    emission * view.sample(map.texture, Coordinates::both(uv)),
+                ));
             };
             add(1.0 / 3.0);
             if column + 1 < parts - row {
@@ -107,7 +110,8 @@ mod tests {
         let view = TextureView::new(&textures.words, Fixed::<ALL>);
         let of = |uv0: [f32; 2], uv1: [f32; 2], uv2: [f32; 2]| {
             let map = EmissionMap { uv0, uv1, uv2, texture: textures.places[0], pad: 0 };
-            mean(&view, &map, Vec3::splat(3.0), Vec2::splat(8.0))
+            let (white, size) = (Vec3::splat(3.0), Vec2::splat(8.0));
+            mean(&view, &map, white, size, Placement::default())
         };
         let dark = of([0.1, 0.1], [0.4, 0.1], [0.1, 0.9]);
         let bright = of([0.6, 0.1], [0.9, 0.1], [0.6, 0.9]);

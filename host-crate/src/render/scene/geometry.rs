@@ -4,12 +4,14 @@ use super::scene_triangle::SceneTriangle;
 use super::triangles::Functions;
 use crate::scene::instance::may_have_instances;
 use crate::scene::mesh::has_area;
-use crate::scene::{Mesh, Scene};
+use crate::scene::{CoordinateSet, Material, Mesh, Placement, Scene, TextureId};
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use obvhs::aabb::Aabb;
 use rayon::slice::ParallelSliceMut;
 use raystream_shaders::math::packed::{NO_TANGENT, Tangent};
-use raystream_shaders::scene::triangle::{Attributes, NO_ATTRIBUTES, Tangents, VertexColours};
+use raystream_shaders::scene::triangle::{
+    Attributes, NO_ATTRIBUTES, SecondCoordinates, Tangents, VertexColours,
+};
 use std::collections::HashSet;
 
 /// The triangles of a scene.
@@ -38,10 +40,28 @@ pub struct Corners {
     pub colours: Vec<VertexColours>,
     /// Tangents, of all of them; none where no mesh has any.
     pub tangents: Vec<Tangents>,
+    /// Second texture coordinates, of all of them; none where no mesh has any.
+    pub second: Vec<SecondCoordinates>,
+    /// Where the texture of each material lies in whose tangent space its normals and grain are.
+    tangent_spaces: Vec<Placement>,
+    /// Whether any mesh has second texture coordinates.
+    has_second: bool,
     /// Whether any mesh has colours.
     has_colours: bool,
     /// Whether any mesh has tangents.
     has_tangents: bool,
+}
+
+impl Corners {
+    /// The texture coordinates of a triangle with attributes of this number, if it has any.
+    pub fn coordinates(&self, attributes: u32, set: CoordinateSet) -> Option<[[f32; 2]; 3]> {
+        let first = self.attributes.get(attributes as usize)?;
+        let Attributes { u0, v0, u1, v1, u2, v2, .. } = *first;
+        Some(match set {
+            CoordinateSet::First => [[u0, v0], [u1, v1], [u2, v2]],
+            CoordinateSet::Second => self.second.get(attributes as usize)?.corners,
+        })
+    }
 }
 
 /// Triangles in one space, those with an area.
@@ -87,6 +107,9 @@ pub fn gather(scene: &Scene) -> Geometry {
     let any = |has: fn(&Mesh) -> bool| scene.meshes.iter().chain(&scene.shapes).any(has);
     geometry.corners.has_colours = any(|mesh| mesh.colours.is_some());
     geometry.corners.has_tangents = any(|mesh| mesh.tangents.is_some());
+    geometry.corners.has_second = any(|mesh| mesh.second_coordinates.is_some());
+    geometry.corners.tangent_spaces =
+        scene.materials.iter().map(|material| tangent_space(scene, material)).collect();
     let bodies = bodies_apart(scene);
     let mut number = 0;
     for mesh in &scene.meshes {
@@ -111,6 +134,12 @@ fn bodies_apart(scene: &Scene) -> Vec<u32> {
         return Vec::new();
     }
     (1..).zip(&scene.materials).map(|(n, m)| m.body().map_or(0, |_| n)).collect()
+}
+
+/// Where the texture lies in whose tangent space the normals and the grain of a material are.
+fn tangent_space(scene: &Scene, material: &Material) -> Placement {
+    let texture = material.principled().and_then(|principled| principled.maps.tangent_space());
+    texture.map_or_else(Placement::default, |TextureId(it)| scene.textures[it as usize].placement)
 }
 
 impl Geometry {
@@ -204,6 +233,7 @@ impl Triangles {
                 attributes: NO_ATTRIBUTES,
                 number,
             };
+            let second = mesh.second_coordinates.as_ref().map(|uvs| uvs[index]);
             let colours = mesh.colours.as_ref().map(|colours| colours[index]);
             let tangents = mesh.tangents.as_ref().map(|tangents| tangents[index]);
             let has_more = colours.is_some() || tangents.is_some();
@@ -211,10 +241,20 @@ impl Triangles {
                 triangle.attributes = of_corners.attributes.len() as u32;
             }
             if self.add(triangle) && triangle.attributes != NO_ATTRIBUTES {
+                let space = of_corners.tangent_spaces[mesh.material.0 as usize];
+                let along = match space.set {
+                    CoordinateSet::First => coordinates,
+                    CoordinateSet::Second => second,
+                };
+                let along = along.map(|uvs| tangent(corners, uvs.map(|uv| space.of(uv))));
                 of_corners.attributes.push(Attributes {
-                    tangent: coordinates.map_or(NO_TANGENT, |uvs| tangent(corners, uvs)),
+                    tangent: along.unwrap_or(NO_TANGENT),
                     ..attributes(normals.unwrap_or_default(), coordinates.unwrap_or_default())
                 });
+                if of_corners.has_second {
+                    let corners = second.unwrap_or_default().map(|uv| uv.to_array());
+                    of_corners.second.push(SecondCoordinates { corners, pad: [0; 2] });
+                }
                 if of_corners.has_colours {
                     of_corners.colours.push(packed(colours.unwrap_or([Vec4::ONE; 3])));
                 }
@@ -298,7 +338,7 @@ fn tangent([a, b, c]: [Vec3; 3], [uv_a, uv_b, uv_c]: [Vec2; 3]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Camera, FilmSize, Material, QuadLight};
+    use crate::scene::{Camera, FilmSize, QuadLight};
 
     #[test]
     fn triangles_come_in_order_and_without_those_that_are_never_hit() {

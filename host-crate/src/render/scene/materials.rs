@@ -9,6 +9,10 @@ use crate::scene::{
 use glam::{UVec4, Vec3};
 use raystream_shaders::scene::bsdf::albedo;
 use raystream_shaders::scene::bsdf::conductor::Conductor;
+use raystream_shaders::scene::bsdf::layer_maps::{
+    CHANNEL_BITS, COAT, COAT_ROUGHNESS, GRAIN, LayerMaps, SHEEN, SHEEN_ROUGHNESS, SPECULAR,
+    SPECULAR_COLOUR, TRANSMISSION,
+};
 use raystream_shaders::scene::bsdf::layers::{
     BLEND, GRAIN_STEPS, Layers, MASK, ROTATION_BIT, STRENGTH_BIT, THIN,
 };
@@ -46,6 +50,41 @@ pub fn layered(
         layers(&Principled { maps, ..*principled }, tables, places)
     });
     layers.collect()
+}
+
+/// The textures of the layers of each material; nothing where no material has any that most have
+/// not.
+pub fn layer_maps(scene: &Scene, places: &[u32]) -> Vec<LayerMaps> {
+    let maps = |material: &Material| material.principled().map(|principled| principled.maps);
+    if !scene.materials.iter().filter_map(maps).any(|maps| maps.has_layers()) {
+        return Vec::new();
+    }
+    let packed =
+        |material| maps(material).map_or(LayerMaps::NONE, |maps| packed_maps(&maps, places));
+    scene.materials.iter().map(packed).collect()
+}
+
+fn packed_maps(maps: &Maps, places: &[u32]) -> LayerMaps {
+    let shares = [
+        (maps.coat, COAT),
+        (maps.coat_roughness, COAT_ROUGHNESS),
+        (maps.sheen_roughness, SHEEN_ROUGHNESS),
+        (maps.transmission, TRANSMISSION),
+        (maps.specular, SPECULAR),
+    ];
+    let others =
+        [(maps.anisotropy, GRAIN), (maps.sheen, SHEEN), (maps.specular_colour, SPECULAR_COLOUR)];
+    let mut packed = LayerMaps::NONE;
+    for (map, number) in shares {
+        packed.textures[number as usize] = place(map.map(|map| map.texture), places);
+        packed.channels |= map.map_or(0, |map| map.channel) << (CHANNEL_BITS * number);
+    }
+    for (map, number) in others {
+        packed.textures[number as usize] = place(map, places);
+    }
+    packed.coat_normal = place(maps.coat_normal.map(|map| map.texture), places);
+    packed.coat_normal_scale = maps.coat_normal.map_or(1.0, |map| map.scale);
+    packed
 }
 
 /// Tables of albedos, one of a kind, behind each other.

@@ -36,17 +36,18 @@ use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene, 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::abilities::{
-    ALL, ANISOTROPY, CAMERAS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed, HOLES,
-    INSTANCES, LIGHT_TREE, MEDIA, PRINCIPLED, PUNCTUAL, TANGENTS, TEXTURES, VERTEX_COLOURS,
-    WIDE_TEXTURES,
+    ALL, ANISOTROPY, CAMERAS, COAT_NORMALS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed,
+    HOLES, INSTANCES, LAYER_MAPS, LIGHT_TREE, MEDIA, PLACED_TEXTURES, PRINCIPLED, PUNCTUAL,
+    TANGENTS, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
 };
+use raystream_shaders::scene::bsdf::layer_maps::LayerMaps;
 use raystream_shaders::scene::bsdf::{self, layers::Layers};
 use raystream_shaders::scene::environment::NO_ENVIRONMENT;
 use raystream_shaders::scene::light::tree::NO_TREE;
 use raystream_shaders::scene::light::{DIRECTION, Light, POINT};
 use raystream_shaders::scene::media::NO_MEDIA;
 use raystream_shaders::scene::ray::Hit;
-use raystream_shaders::scene::triangle::{NO_COLOURS, NO_TANGENTS};
+use raystream_shaders::scene::triangle::{NO_COLOURS, NO_COORDINATES, NO_TANGENTS};
 use raystream_shaders::scene::{SceneParams, SceneView};
 
 /// A scene, ready to be copied to a device. [`raystream_shaders::scene`] says how it is laid out.
@@ -108,8 +109,7 @@ impl PreparedScene {
         let triangles = &from.world.triangles;
         let normals = NormalMaps::new(scene, &from);
         let textures = textures::pack(scene.textures.iter().chain(&normals.textures));
-        let mapped =
-            emission_maps::of_triangles(scene, triangles, &from.corners.attributes, &textures);
+        let mapped = emission_maps::of_triangles(scene, triangles, &from.corners, &textures);
         let Textures { words: mut texels, places } = textures;
         let materials = materials::table(scene, &places);
         let punctual = &scene.punctual_lights;
@@ -124,6 +124,7 @@ impl PreparedScene {
         let power = environment.as_ref().map(|it| it.power * ball.radius_squared());
         let lights = lights::build(&emitters, ball, power, has_tree);
         let mut tables = Tables::new(scene.materials.len() as u32);
+        let layer_maps = materials::layer_maps(scene, &places);
         let layers = materials::layered(scene, &normals, &places, &mut tables);
         let media = PackedMedia::new(scene, lights.table.len(), &mut tables);
         params.lights = lights.table.len() as u32;
@@ -133,8 +134,9 @@ impl PreparedScene {
         params.environment = environment.as_ref().map_or(NO_ENVIRONMENT, |packed| {
             packed.append(&mut texels, lights.environment_chance, ball)
         });
-        let (corners, lights) = (&from.corners, &lights);
-        Parts { corners, materials: &materials, lights, layers: &layers, tables: &tables }
+        let (corners, materials, lights) = (&from.corners, &materials[..], &lights);
+        let (layers, layer_maps, tables) = (&layers[..], &layer_maps[..], &tables);
+        Parts { corners, materials, lights, layers, layer_maps, tables }
             .append_to(&mut surfaces, &mut params);
         let mut prepared = Self {
             geometry,
@@ -251,6 +253,8 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
     let has_textures = any(|material| material.textures().next().is_some());
     let has_wide =
         has_textures && (scene.textures.iter().any(Texture::is_wide) || any(Material::has_bumps));
+    let has_placed =
+        params.first_coordinates != NO_COORDINATES || scene.textures.iter().any(Texture::is_placed);
     let is_principled = any(|material| material.principled().is_some());
     let has_cover = any(|m| m.principled().is_some_and(Principled::has_cover));
     let has_conductors = any(|m| m.principled().is_some_and(|p| p.conductor.is_some()));
@@ -272,6 +276,9 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (params.first_tangents != NO_TANGENTS, TANGENTS),
         (params.first_light_tree != NO_TREE, LIGHT_TREE),
         (any(Material::has_grain), ANISOTROPY),
+        (has_placed, PLACED_TEXTURES),
+        (params.first_layer_maps != 0, LAYER_MAPS),
+        (any(|m| m.principled().is_some_and(Principled::has_coat_normal)), COAT_NORMALS),
     ]
     .into_iter()
     .filter(|(uses, _)| *uses)
@@ -284,6 +291,7 @@ struct Parts<'a> {
     materials: &'a [bsdf::Material],
     lights: &'a Lights,
     layers: &'a [Layers],
+    layer_maps: &'a [LayerMaps],
     tables: &'a Tables,
 }
 
@@ -310,6 +318,12 @@ impl Parts<'_> {
         let tangents = &self.corners.tangents;
         params.first_tangents =
             if tangents.is_empty() { NO_TANGENTS } else { append(surfaces, tangents) };
+        let second = &self.corners.second;
+        params.first_coordinates =
+            if second.is_empty() { NO_COORDINATES } else { append(surfaces, second) };
+        if !self.layer_maps.is_empty() {
+            params.first_layer_maps = append(surfaces, self.layer_maps);
+        }
         let tree = self.lights.tree.as_ref();
         params.first_light_tree = tree.map_or(NO_TREE, |tree| append(surfaces, &tree.rows()));
     }
@@ -334,7 +348,9 @@ mod tests {
     use super::*;
 
     use raystream_shaders::scene::light::EmissionMap;
-    use raystream_shaders::scene::triangle::{Attributes, Tangents, VertexColours};
+    use raystream_shaders::scene::triangle::{
+        Attributes, SecondCoordinates, Tangents, VertexColours,
+    };
 
     /// The rows of an element whose every word differs, and the element.
     fn numbered<T: Pod, const ROWS: usize>() -> ([UVec4; ROWS], T) {
@@ -361,5 +377,7 @@ mod tests {
         assert_eq!(VertexColours::from_rows(rows), colours);
         let (rows, tangents) = numbered::<Tangents, { Tangents::ROWS as usize }>();
         assert_eq!(Tangents::from_rows(rows), tangents);
+        let (rows, second) = numbered::<SecondCoordinates, { SecondCoordinates::ROWS as usize }>();
+        assert_eq!(SecondCoordinates::from_rows(rows), second);
     }
 }

@@ -85,7 +85,7 @@ impl Scene {
         for texture in material.maps.textures() {
             in_range("texture", texture.0, self.textures.len(), "textures")?;
         }
-        for map in [material.maps.roughness, material.maps.metallic].into_iter().flatten() {
+        for map in material.maps.shares().into_iter().flatten() {
             in_range("channel", map.channel, 4, "channels")?;
         }
         if let Some(TextureId(map)) = material.maps.emission {
@@ -98,8 +98,11 @@ impl Scene {
                 ));
             }
         }
-        if let Some(map) = material.maps.normal {
-            bounds::scale(map.scale.into()).map_err(|what| format!("normal.scale {what}"))?;
+        let normals =
+            [("normal", material.maps.normal), ("coat_normal", material.maps.coat_normal)];
+        for (name, map) in normals {
+            let scale = map.map_or(1.0, |map| map.scale);
+            bounds::scale(scale.into()).map_err(|what| format!("{name}.scale {what}"))?;
         }
         if let Some(map) = material.maps.bump {
             bounds::scale(map.height.into()).map_err(|what| format!("bump.height {what}"))?;

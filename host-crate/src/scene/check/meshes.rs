@@ -5,8 +5,9 @@ use super::super::description::Scene;
 use super::super::instance::Instance;
 use super::super::material::Material;
 use super::super::mesh::Mesh;
+use super::super::texture::{CoordinateSet, TextureId};
 use super::{InvalidScene, at, in_range, values};
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// How far the length of a unit normal may be from 1: one that was rounded a few times is nearer.
 const UNIT_TOLERANCE: f32 = 1e-3;
@@ -28,11 +29,24 @@ impl Scene {
             }
         }
         check_normals(mesh)?;
-        check_texture_coordinates(mesh)?;
+        let coordinates = [
+            ("texture_coordinates", &mesh.texture_coordinates, CoordinateSet::First),
+            ("second_coordinates", &mesh.second_coordinates, CoordinateSet::Second),
+        ];
         let material = &self.materials[mesh.material.0 as usize];
-        if material.textures().next().is_some() && mesh.texture_coordinates.is_none() {
-            let what = "are needed, since the material has a texture".to_owned();
-            return Err(at("texture_coordinates")(what));
+        for (name, coordinates, set) in coordinates {
+            check_texture_coordinates(name, coordinates.as_deref(), mesh)?;
+            let takes_them = |texture: TextureId| {
+                self.textures.get(texture.0 as usize).is_some_and(|t| t.placement.set == set)
+            };
+            if coordinates.is_none() && material.textures().any(takes_them) {
+                let what = "are needed, since the material has a texture".to_owned();
+                return Err(at(name)(what));
+            }
+        }
+        if mesh.second_coordinates.is_some() && mesh.texture_coordinates.is_none() {
+            let what = "are there, but no first ones".to_owned();
+            return Err(at("second_coordinates")(what));
         }
         check_tangents(mesh)?;
         check_colours(mesh, material)
@@ -137,16 +151,20 @@ fn check_colours(mesh: &Mesh, material: &Material) -> Result<(), InvalidScene> {
     Ok(())
 }
 
-fn check_texture_coordinates(mesh: &Mesh) -> Result<(), InvalidScene> {
-    let Some(coordinates) = &mesh.texture_coordinates else { return Ok(()) };
-    check_count("texture_coordinates", coordinates.len(), mesh)?;
+fn check_texture_coordinates(
+    name: &str,
+    coordinates: Option<&[[Vec2; 3]]>,
+    mesh: &Mesh,
+) -> Result<(), InvalidScene> {
+    let Some(coordinates) = coordinates else { return Ok(()) };
+    check_count(name, coordinates.len(), mesh)?;
     // Not a number is in no range.
     let is_fine = |c: &f32| f64::from(c.abs()) <= MAX_COORDINATE;
     let position = coordinates
         .iter()
         .position(|corners| !corners.iter().all(|uv| uv.to_array().iter().all(is_fine)));
     match position {
-        Some(index) => Err(at(&format!("texture_coordinates[{index}]"))(format!(
+        Some(index) => Err(at(&format!("{name}[{index}]"))(format!(
             "must be from -{MAX_COORDINATE} to {MAX_COORDINATE}"
         ))),
         None => Ok(()),

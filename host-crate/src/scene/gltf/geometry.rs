@@ -13,6 +13,8 @@ pub(super) struct Geometry {
     pub normals: Option<Vec<Vec3>>,
     /// One for each position, with (0, 0) at the lower left.
     pub texture_coordinates: Option<Vec<Vec2>>,
+    /// The same of a second set.
+    pub second_coordinates: Option<Vec<Vec2>>,
     /// One for each position, linear, with alpha, each component in [0, 1].
     pub colours: Option<Vec<Vec4>>,
     /// One for each position: a unit vector along which `u` grows, and 1, or -1 where the texture is
@@ -42,6 +44,7 @@ impl Geometry {
             triangles: self.triangles.iter().copied().map(seen).collect(),
             normals: self.of_corners(normals.as_deref(), seen),
             texture_coordinates: self.of_corners(self.texture_coordinates.as_deref(), seen),
+            second_coordinates: self.of_corners(self.second_coordinates.as_deref(), seen),
             colours: self.of_corners(self.colours.as_deref(), seen),
             tangents: self.of_corners(self.tangents.as_deref(), seen).map(|tangents| {
                 tangents.into_iter().map(|corners| moved_tangents(corners, &linear)).collect()

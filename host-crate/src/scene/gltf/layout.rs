@@ -3,7 +3,8 @@
 use super::document::Document;
 use super::extensions::TRANSFORM;
 use crate::scene::error::SceneError;
-use glam::{DVec2, Vec2};
+use crate::scene::texture::{CoordinateSet, Placement};
+use glam::{DMat2, DVec2, Vec2};
 use gltf::json::Value;
 use serde::Deserialize;
 
@@ -68,6 +69,24 @@ impl Layout {
         let DVec2 { x, y } = turned + self.offset;
         DVec2::new(x, 1.0 - y).as_vec2()
     }
+
+    /// The same, for a texture to do that itself with coordinates of a set that are as
+    /// [`Self::of_set`] has them.
+    pub(super) fn placement(&self, set: CoordinateSet) -> Placement {
+        let (sine, cosine) = self.rotation.sin_cos();
+        let (across, down) = (self.scale.x, self.scale.y);
+        // Our second coordinate is 1 less the file's, before and after.
+        let x = DVec2::new(cosine * across, -sine * down);
+        let y = DVec2::new(sine * across, cosine * down);
+        let offset = DVec2::new(sine * down + self.offset.x, 1.0 - cosine * down - self.offset.y);
+        let matrix = DMat2::from_cols(x, y).transpose().as_mat2();
+        Placement { set, matrix, offset: offset.as_vec2() }
+    }
+
+    /// The set of this number as it is.
+    pub(super) fn of_set(set: u32) -> Self {
+        Self { set, ..Self::FIRST }
+    }
 }
 
 #[cfg(test)]
@@ -86,5 +105,21 @@ mod tests {
         assert!((turned.of([0.25, 0.25]) - Vec2::new(1.0, 1.5)).length() < 1e-6);
         let moved = Layout { offset: DVec2::new(0.5, 0.25), ..turned };
         assert!((moved.of([0.25, 0.25]) - Vec2::new(1.5, 1.25)).length() < 1e-6);
+    }
+
+    #[test]
+    fn a_texture_can_do_the_same_itself() {
+        let layout = Layout {
+            set: 3,
+            offset: DVec2::new(0.3, -0.7),
+            rotation: 0.4,
+            scale: DVec2::new(2.0, -3.0),
+        };
+        let placement = layout.placement(CoordinateSet::Second);
+        assert_eq!(placement.set, CoordinateSet::Second);
+        for uv in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.3, -2.5]] {
+            let there = placement.of(Layout::of_set(3).of(uv));
+            assert!((there - layout.of(uv)).length() < 1e-5, "{uv:?}: {there}");
+        }
     }
 }

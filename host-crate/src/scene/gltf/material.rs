@@ -1,16 +1,18 @@
 //! Materials.
 
+mod arrangement;
 mod cover;
 mod described;
 mod left_out;
 
-use self::described::{Described, Sources};
+use self::arrangement::Arrangement;
+use self::described::{Described, Slot, Sources};
 use super::document::Document;
 use super::layout::Layout;
 use super::texture::Textures;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
-use crate::scene::material::{Channel, Maps, Material, MaterialId, NormalMap, Opacity, Principled};
+use crate::scene::material::{Material, MaterialId, Opacity, Principled};
 use crate::scene::options::LoadOptions;
 use crate::scene::source::Source;
 use crate::scene::summary::{Fate, Summary};
@@ -22,8 +24,11 @@ use std::rc::Rc;
 const ROUGHNESS: u32 = 1;
 const METALLIC: u32 = 2;
 /// That of opacity.
-const ALPHA: usize = 3;
+const ALPHA: u32 = 3;
 
+const TWO_SETS: Fate = Fate::Becomes(
+    "a material has two sets of texture coordinates here; these textures are laid by the first: ",
+);
 const ALPHA_OF_BODIES: Fate =
     Fate::Becomes("bodies have no holes, the alpha of their vertices does not count: ");
 
@@ -59,13 +64,13 @@ pub(super) enum Surface {
 #[derive(Clone, Copy)]
 pub(super) struct Made {
     pub surface: Surface,
-    /// None if it has no texture.
-    pub layout: Option<Layout>,
+    /// See [`Arrangement::layouts`].
+    pub layouts: [Option<Layout>; 2],
 }
 
 /// What tells materials of a scene apart that are one in the file: its number there, the colour of
-/// vertices, whether their alpha counts, whether there are texture coordinates.
-type Key = (Option<usize>, [u32; 3], bool, bool);
+/// vertices, whether their alpha counts, for which textures there are coordinates.
+type Key = (Option<usize>, [u32; 3], bool, Vec<bool>);
 
 /// The materials of a file as they are made.
 pub(super) struct Materials<'a> {
@@ -110,25 +115,18 @@ impl<'a> Materials<'a> {
             }
         };
         if described.is_invisible {
-            return Ok(Made { surface: Surface::Nothing, layout: None });
+            return Ok(Made { surface: Surface::Nothing, layouts: [None; 2] });
         }
         let has_alpha = !vertices.is_opaque && self.takes_alpha(&described, place);
-        let layout = described.layout().filter(|layout| (corners.set)(layout.set));
-        let path = self.sources.document.path;
-        let mut note = |fate| self.sources.summary.note(path, 0, fate, place, &described.name);
-        if layout.is_none() && described.layout_of_textures().is_some() {
-            note(Fate::MeanOfTexture);
-        }
-        let has_grain = described.plain.anisotropy.strength > 0.0;
-        if has_grain && layout.is_none() && !corners.tangents {
-            note(Fate::WithoutGrain);
-        }
+        let is_shown: Vec<bool> =
+            described.slots.iter().map(|slot| (corners.set)(slot.layout.set)).collect();
+        let arrangement = self.arrangement(&described, &is_shown, &corners, place);
         let colour = vertices.colour.to_array().map(f32::to_bits);
-        let key = (material, colour, has_alpha, layout.is_some());
+        let key = (material, colour, has_alpha, is_shown);
         let id = match self.made.get(&key) {
             Some(&id) => id,
             None => {
-                let mut made = self.make(&described, vertices.colour, layout.is_some());
+                let mut made = self.make(&described, vertices.colour, &key.3, &arrangement);
                 if has_alpha && made.opacity == Opacity::Opaque {
                     made.opacity = described.opacity;
                 }
@@ -137,7 +135,38 @@ impl<'a> Materials<'a> {
                 id
             }
         };
-        Ok(Made { surface: Surface::Of(id), layout })
+        Ok(Made { surface: Surface::Of(id), layouts: arrangement.layouts })
+    }
+
+    /// Where the textures lie that are shown of a material; says which are not shown so.
+    fn arrangement(
+        &mut self,
+        described: &Described,
+        is_shown: &[bool],
+        corners: &CornersHave<'_>,
+        place: &str,
+    ) -> Arrangement {
+        let Sources { document, summary, .. } = &mut self.sources;
+        let shown = described.slots.iter().zip(is_shown).filter(|(_, is_shown)| **is_shown);
+        let shown: Vec<Slot> = shown.map(|(slot, _)| *slot).collect();
+        let mut note = |fate, thing: &str| {
+            summary.note(document.path, 0, fate, thing, &described.name);
+        };
+        if shown.len() < described.slots.len() {
+            note(Fate::MeanOfTexture, place);
+        }
+        let mut arrangement = Arrangement::new(&shown);
+        for slot in shown.iter().filter(|slot| !arrangement.has(slot)) {
+            note(TWO_SETS, slot.name);
+        }
+        let has_grain = described.plain.anisotropy.strength > 0.0;
+        if has_grain && shown.is_empty() && (corners.set)(Layout::FIRST.set) {
+            arrangement = Arrangement::of(Layout::FIRST);
+        }
+        if has_grain && arrangement.layouts[0].is_none() && !corners.tangents {
+            note(Fate::WithoutGrain, place);
+        }
+        arrangement
     }
 
     /// Whether the alpha of vertices counts for a material; says so if it should and does not.
@@ -156,39 +185,23 @@ impl<'a> Materials<'a> {
         true
     }
 
-    /// The material with its textures, or else with their means.
-    fn make(&self, described: &Described, colour: Vec3, is_textured: bool) -> Principled {
-        let Described { base_colour, roughness, normal, emission, .. } = described;
+    /// The material with those of its textures that are shown, and with the means of the others.
+    fn make(
+        &mut self,
+        described: &Described,
+        colour: Vec3,
+        is_shown: &[bool],
+        arrangement: &Arrangement,
+    ) -> Principled {
         let mut made = described.plain;
         made.base_colour *= colour;
-        if is_textured {
-            let channel =
-                |channel: u32| roughness.map(|slot| Channel { texture: slot.texture, channel });
-            made.maps = Maps {
-                base_colour: base_colour.map(|slot| slot.texture),
-                roughness: channel(ROUGHNESS),
-                metallic: channel(METALLIC),
-                normal: normal.map(|(slot, scale)| NormalMap { texture: slot.texture, scale }),
-                bump: None,
-                emission: emission.map(|slot| slot.texture),
-            };
-            return made;
-        }
-        let pictures = &self.sources.textures.pictures;
-        if let Some(slot) = base_colour {
-            let texture = pictures.get(slot.texture);
-            made.base_colour *= texture.mean();
-            if let Opacity::Mask { alpha, .. } | Opacity::Blend { alpha } = &mut made.opacity {
-                *alpha *= texture.mean_code(ALPHA);
+        let pictures = &mut self.sources.textures.pictures;
+        for (slot, is_shown) in described.slots.iter().zip(is_shown) {
+            if *is_shown {
+                slot.says.put(arrangement.texture(slot, pictures), &mut made.maps);
+            } else {
+                slot.says.multiply_by_mean(pictures.get(slot.texture), &mut made);
             }
-        }
-        if let Some(slot) = emission {
-            made.emission *= pictures.get(slot.texture).mean_emission();
-        }
-        if let Some(slot) = roughness {
-            let texture = pictures.get(slot.texture);
-            made.roughness *= texture.mean_code(ROUGHNESS as usize);
-            made.metallic *= texture.mean_code(METALLIC as usize);
         }
         made
     }

@@ -143,10 +143,12 @@ impl Primitive<'_, '_> {
         let has_tangents = normals.is_some() && self.attribute(Semantic::Tangents).is_some();
         let corners = CornersHave { set: &has_set, tangents: has_tangents };
         let made = materials.surface(material, colour, corners, &self.place(), scene)?;
-        let texture_coordinates = match &made.layout {
-            Some(layout) => self.texture_coordinates(layout, count, &mut has_all_numbers)?,
-            None => None,
+        let mut coordinates = |layout: Option<Layout>| match layout {
+            Some(layout) => self.texture_coordinates(&layout, count, &mut has_all_numbers),
+            None => Ok(None),
         };
+        let [first, second] = made.layouts;
+        let (texture_coordinates, second_coordinates) = (coordinates(first)?, coordinates(second)?);
         let takes_tangents = match made.surface {
             Surface::Of(id) => scene.materials[id.0 as usize].takes_tangents(),
             Surface::Nothing => false,
@@ -160,6 +162,7 @@ impl Primitive<'_, '_> {
             positions: positions.into_iter().map(Vec3::from_array).collect(),
             normals,
             texture_coordinates,
+            second_coordinates,
             colours,
             tangents,
             triangles,

@@ -218,7 +218,7 @@ impl<'a> Surfaces<'a> {
         let name = name.to_string();
         let mut material = rule.material;
         let mut textures = Vec::new();
-        for TextureFile { slot, line, path, filter } in &rule.textures {
+        for TextureFile { slot, line, path, filter, map } in &rule.textures {
             let file =
                 rule.otherwise.as_ref().map_or(self.sources.names.scene, |o| o.mtl.as_path());
             match (self.pictures.load(self.sources.names.source, path, *filter), &rule.otherwise) {
@@ -237,7 +237,7 @@ impl<'a> Surfaces<'a> {
                         let thing = format!("alpha of {}", path.display());
                         self.summary.note(file, *line, Fate::Opaque, &thing, &name);
                     }
-                    textures.push((*slot, texture));
+                    textures.push((*slot, texture, *map));
                 }
                 (Err(error), Some(otherwise)) => {
                     let fate = match slot {
@@ -254,8 +254,28 @@ impl<'a> Surfaces<'a> {
         if textures.is_empty() {
             return Ok(Surface::Plain(scene.add_material(material)));
         }
-        let (map, materials) = (rule.map, [None; 2]);
+        let (map, textures) = self.laid(textures);
+        let materials = [None; 2];
         Ok(Surface::Textured(Box::new(Textured { material, textures, map, materials })))
+    }
+
+    /// Where texture coordinates lie: as all textures do, or else where they are, and the textures
+    /// lie by themselves.
+    fn laid(
+        &mut self,
+        textures: Vec<(Slot, TextureId, TextureMap)>,
+    ) -> (TextureMap, Vec<(Slot, TextureId)>) {
+        let first = textures.first().map_or_else(TextureMap::default, |(_, _, map)| *map);
+        if textures.iter().all(|(_, _, map)| *map == first) {
+            return (
+                first,
+                textures.into_iter().map(|(slot, texture, _)| (slot, texture)).collect(),
+            );
+        }
+        let placed = |(slot, texture, map): (Slot, TextureId, TextureMap)| {
+            (slot, self.pictures.placed(texture, map.placement()))
+        };
+        (TextureMap::default(), textures.into_iter().map(placed).collect())
     }
 
     /// The names of the materials of these numbers, if there are any.

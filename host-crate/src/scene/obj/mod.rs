@@ -178,7 +178,11 @@ mod tests {
             "{SQUARE}vt 1000000 -8000000.75\nvt 1000001.25 -8000000.75\nvt 1000000 -7999999.5\n\
              vt 0.25 0.5\nf 1/1 2/2 3/3\nf 1/4 2/4 3/4\n"
         );
-        let map = texture_map::TextureMap { scale: DVec2::new(2.0, 1.0), offset: DVec2::X };
+        let map = texture_map::TextureMap {
+            scale: DVec2::new(2.0, 1.0),
+            offset: DVec2::X,
+            ..texture_map::TextureMap::default()
+        };
         let of = |map| {
             let mesh = parse(&text).parts[0].mesh(MaterialId(0), &AT_ORIGIN, Some(&map));
             mesh.texture_coordinates.unwrap()

@@ -73,6 +73,7 @@ impl Part {
         Mesh {
             material,
             tangents: None,
+            second_coordinates: None,
             colours: self
                 .has_colours()
                 .then(|| triangles.iter().map(|corners| corners.map(colour)).collect()),

@@ -6,8 +6,8 @@ use crate::math::angles::sin_cos_of_turns;
 use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::memory::device_struct;
 use crate::memory::rows::{float, vector};
-use crate::scene::abilities::Abilities;
-use crate::scene::texture::{NO_TEXTURE, TextureView};
+use crate::scene::abilities::{Abilities, LAYER_MAPS};
+use crate::scene::texture::{Coordinates, NO_TEXTURE, TextureView};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
 
@@ -140,9 +140,23 @@ impl Layers {
         (self.flags >> STRENGTH_BIT & GRAIN_STEPS) as f32 * (1.0 / GRAIN_STEPS as f32)
     }
 
+    /// The layers with another [`Self::strength`], in [0, 1].
+    pub fn with_strength(mut self, strength: f32) -> Self {
+        let steps = (strength * GRAIN_STEPS as f32 + 0.5) as u32;
+        self.flags = self.flags & !(GRAIN_STEPS << STRENGTH_BIT) | steps << STRENGTH_BIT;
+        self
+    }
+
     /// The direction along which it is rougher than across: unit length, across the `normal`; zero
-    /// where there is none. `tangent` is a packed one of the triangle.
-    pub fn grain(&self, tangent: u32, normal: Vec3) -> Vec3 {
+    /// where there is none. `tangent` is a packed one of the triangle; a texture turns that to
+    /// `heading`, of unit length, in the basis of tangent and bitangent.
+    pub fn grain<A: Abilities>(
+        &self,
+        tangent: u32,
+        heading: Vec2,
+        normal: Vec3,
+        abilities: A,
+    ) -> Vec3 {
         if self.flags >> STRENGTH_BIT & GRAIN_STEPS == 0 || tangent == NO_TANGENT {
             return Vec3::ZERO;
         }
@@ -157,6 +171,11 @@ impl Layers {
         let across = if is_mirrored { -across } else { across };
         let turns = (self.flags >> ROTATION_BIT) as f32 * (1.0 / GRAIN_STEPS as f32);
         let (sine, cosine) = sin_cos_of_turns(turns);
+        if abilities.has(LAYER_MAPS) {
+            let x = heading.x * cosine - heading.y * sine;
+            let y = heading.x * sine + heading.y * cosine;
+            return (along * x + across * y).normalize();
+        }
         (along * cosine + across * sine).normalize()
     }
 
@@ -172,13 +191,17 @@ impl Layers {
     }
 
     /// The layers at a point, of these texture coordinates.
-    pub fn textured<A: Abilities>(mut self, textures: &TextureView<'_, A>, uv: Vec2) -> Self {
+    pub fn textured<A: Abilities>(
+        mut self,
+        textures: &TextureView<'_, A>,
+        place: Coordinates,
+    ) -> Self {
         if self.roughness_map != NO_TEXTURE {
-            let codes = textures.codes(self.roughness_map, uv.x, uv.y);
+            let codes = textures.codes(self.roughness_map, place);
             self.roughness *= channel(codes, self.channels & 0xff);
         }
         if self.metallic_map != NO_TEXTURE {
-            let codes = textures.codes(self.metallic_map, uv.x, uv.y);
+            let codes = textures.codes(self.metallic_map, place);
             self.metallic *= channel(codes, self.channels >> 8 & 0xff);
         }
         self
@@ -186,15 +209,20 @@ impl Layers {
 
     /// What the map of normals says at a point, of these texture coordinates: its normal in tangent
     /// space, of any length.
-    pub fn slopes<A: Abilities>(&self, textures: &TextureView<'_, A>, uv: Vec2) -> Vec3 {
-        let codes = textures.codes(self.normal_map, uv.x, uv.y);
-        let normal = Vec3::new(codes.x, codes.y, codes.z) * 2.0 - Vec3::ONE;
-        Vec3::new(normal.x * self.normal_scale, normal.y * self.normal_scale, normal.z)
+    pub fn slopes<A: Abilities>(&self, textures: &TextureView<'_, A>, place: Coordinates) -> Vec3 {
+        slopes(textures.codes(self.normal_map, place), self.normal_scale)
     }
 }
 
+/// The normal in tangent space, of any length, of the codes of a map of normals whose slopes are
+/// multiplied by `scale`.
+pub(super) fn slopes(codes: Vec4, scale: f32) -> Vec3 {
+    let normal = Vec3::new(codes.x, codes.y, codes.z) * 2.0 - Vec3::ONE;
+    Vec3::new(normal.x * scale, normal.y * scale, normal.z)
+}
+
 /// The channel of this number.
-fn channel(codes: Vec4, number: u32) -> f32 {
+pub(super) fn channel(codes: Vec4, number: u32) -> f32 {
     if number == 0 {
         codes.x
     } else if number == 1 {

@@ -15,6 +15,7 @@ pub mod cover;
 mod dielectric;
 pub mod diffuse;
 pub mod ggx;
+pub mod layer_maps;
 pub mod layers;
 mod mirror;
 pub mod principled;
@@ -87,11 +88,11 @@ impl Material {
     /// The material at a point with this shading `normal`, which is on the side that the path came
     /// from: `from_outside` says whether that is the front. What `geometric` is, [`Bsdf::geometric`]
     /// says.
-    /// Principled materials have `layers` beside, a grain (see [`Layers::grain`]), and look up
-    /// `albedos`. The scene uses no more than `abilities`.
+    /// Principled materials have `layers` beside, a normal of the `coat`, a grain (see
+    /// [`Layers::grain`]), and look up `albedos`. The scene uses no more than `abilities`.
     pub fn bsdf<'a, F: Abilities>(
         &self,
-        [normal, geometric, grain]: [Vec3; 3],
+        [normal, geometric, coat, grain]: [Vec3; 4],
         from_outside: bool,
         layers: Layers,
         albedos: AlbedoView<'a>,
@@ -101,6 +102,7 @@ impl Material {
             kind: self.kind,
             normal,
             geometric,
+            coat,
             grain,
             from_outside,
             reflectance: self.reflectance,
@@ -152,6 +154,8 @@ pub struct Bsdf<'a, F> {
     /// Unit normal on the same side: that of the triangle where a map of normals bends the shading
     /// normal, else the shading normal itself.
     pub geometric: Vec3,
+    /// Unit normal of the coat on the same side: that of the corners, or as a map of its own has it.
+    pub coat: Vec3,
     /// See [`Layers::grain`].
     pub grain: Vec3,
     /// Whether the path came from the front of the shading frame (outside, for a dielectric).
@@ -197,7 +201,7 @@ impl<F: Abilities> Bsdf<'_, F> {
         if !self.keeps_side(direction) {
             return BsdfSample { direction, weight: Vec3::ZERO, pdf: 0.0, eta: 1.0 };
         }
-        self.principled().eval(self.normal, self.from_outside, incoming, direction)
+        self.principled(self.coat).eval(self.normal, self.from_outside, incoming, direction)
     }
 
     /// Whether `direction` is on the same side of the triangle as of the normal that a map has
@@ -206,9 +210,10 @@ impl<F: Abilities> Bsdf<'_, F> {
         direction.dot(self.normal) * direction.dot(self.geometric) > 0.0
     }
 
-    fn principled(&self) -> Principled<'_, F> {
+    /// The material with this normal of the coat.
+    fn principled(&self, coat: Vec3) -> Principled<'_, F> {
         let Self { reflectance, layers, grain, ior, albedos, abilities, .. } = *self;
-        Principled { colour: reflectance, layers, grain, ior, albedos, abilities }
+        Principled { colour: reflectance, layers, coat, grain, ior, albedos, abilities }
     }
 
     /// What it says of a given `direction`. Density 0: no light comes from there. Delta
@@ -258,8 +263,9 @@ impl<F: Abilities> Bsdf<'_, F> {
     fn eval_back(&self, incoming: Vec3, direction: Vec3) -> BsdfSample {
         let crosses = direction.dot(self.normal) < 0.0;
         let normal = if crosses { -self.normal } else { self.normal };
+        let coat = if crosses { -self.coat } else { self.coat };
         let from_outside = self.from_outside != crosses;
-        self.principled().eval(normal, from_outside, -direction, -incoming)
+        self.principled(coat).eval(normal, from_outside, -direction, -incoming)
     }
 
     /// What flux that arrived along `incoming` is multiplied by where `sample` was picked: the BSDF
@@ -280,8 +286,13 @@ impl<F: Abilities> Bsdf<'_, F> {
     /// (`u`) and for the choice of the lobe.
     pub fn sample(&self, incoming: Vec3, u: [f32; 2], lobe: f32) -> BsdfSample {
         if self.is_principled() {
-            let mut sample =
-                self.principled().sample(self.normal, self.from_outside, incoming, u, lobe);
+            let mut sample = self.principled(self.coat).sample(
+                self.normal,
+                self.from_outside,
+                incoming,
+                u,
+                lobe,
+            );
             if !self.keeps_side(sample.direction) {
                 sample.weight = Vec3::ZERO;
             }

@@ -29,12 +29,16 @@ use super::layers::Layers;
 use super::reflector::{Albedo, Reflector};
 use crate::glam::Vec3;
 use crate::math::{sample_cosine_hemisphere, tangent_frame};
-use crate::scene::abilities::{ANISOTROPY, Abilities, CONDUCTORS, COVER};
+use crate::scene::abilities::{ANISOTROPY, Abilities, COAT_NORMALS, CONDUCTORS, COVER};
 use core::f32::consts::FRAC_1_PI;
 
 /// Least cosine of a direction from which a surface is seen: at the horizon densities have no
 /// digits.
 const HORIZON: f32 = 1e-4;
+
+/// Cosine from which on the normal of a coat is that of what is below: of two that are alike it is
+/// 1, but for roundings.
+const UNBENT: f32 = 1.0 - 1e-6;
 
 /// The material at a point.
 #[derive(Clone, Copy)]
@@ -43,6 +47,8 @@ pub struct Principled<'a, F> {
     pub colour: Vec3,
     /// The rest of it.
     pub layers: Layers,
+    /// Unit normal of the coat, on the side that the path came from.
+    pub coat: Vec3,
     /// The direction along which the surface is rougher, see [`Layers::grain`].
     pub grain: Vec3,
     /// Index of refraction behind the front, relative to the outside.
@@ -90,7 +96,7 @@ impl<F: Abilities> Principled<'_, F> {
     ) -> BsdfSample {
         let frame = self.frame(normal);
         let o = frame.seen(incoming);
-        let lobes = self.lobes(o, from_outside);
+        let lobes = self.lobes(&frame, o, from_outside);
         self.evaluate(&lobes, o, frame.local(direction), direction)
     }
 
@@ -106,9 +112,9 @@ impl<F: Abilities> Principled<'_, F> {
     ) -> BsdfSample {
         let frame = self.frame(normal);
         let o = frame.seen(incoming);
-        let lobes = self.lobes(o, from_outside);
+        let lobes = self.lobes(&frame, o, from_outside);
         let (i, crosses) = if self.abilities.has(COVER) && lobes.cover.takes(lobe) {
-            (lobes.cover.sample(o, u, lobe), false)
+            (lobes.cover.sample(self.abilities, o, u, lobe), false)
         } else {
             let lobe = if self.abilities.has(COVER) { lobes.cover.rest(lobe) } else { lobe };
             self.sample_lobe(&lobes, o, u, lobe)
@@ -124,7 +130,7 @@ impl<F: Abilities> Principled<'_, F> {
         sample
     }
 
-    fn lobes(&self, o: Vec3, from_outside: bool) -> Lobes {
+    fn lobes(&self, frame: &Frame, o: Vec3, from_outside: bool) -> Lobes {
         let layers = &self.layers;
         let transmission = (1.0 - layers.metallic) * layers.transmission;
         let opaque = 1.0 - transmission;
@@ -158,7 +164,11 @@ impl<F: Abilities> Principled<'_, F> {
         // What is seen from within a body has its cover behind it.
         let mut cover = Cover::NONE;
         if self.abilities.has(COVER) && (from_outside || transmission == 0.0) {
-            cover = Cover::new(layers, o, self.albedos, all);
+            let mut coat = Vec3::Z;
+            if self.abilities.has(COAT_NORMALS) && self.coat.dot(frame.z) < UNBENT {
+                coat = frame.local(self.coat);
+            }
+            cover = Cover::new(layers, coat, o, self.albedos, all, self.abilities);
         }
         Lobes {
             ggx: Ggx::of_roughness(layers.roughness),
@@ -284,7 +294,7 @@ impl<F: Abilities> Principled<'_, F> {
             value *= lobes.cover.passes;
             pdf *= (1.0 - coat - sheen).max(0.0);
             if i.z > 0.0 {
-                let (reflected, density) = lobes.cover.reflects(o, i);
+                let (reflected, density) = lobes.cover.reflects(self.abilities, o, i);
                 value += reflected;
                 pdf += density;
             }

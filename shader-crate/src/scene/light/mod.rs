@@ -4,7 +4,7 @@
 pub mod punctual;
 pub mod tree;
 
-use crate::glam::{UVec4, Vec3};
+use crate::glam::{UVec4, Vec2, Vec3};
 use crate::math::random::unit_float;
 use crate::math::wide::{Wide, multiply};
 use crate::memory::device_struct;
@@ -13,7 +13,7 @@ use crate::scene::abilities::{Abilities, EMISSION_MAPS, ENVIRONMENT, LIGHT_TREE,
 use crate::scene::bvh::planes::Plane;
 use crate::scene::environment::{EnvironmentSample, EnvironmentView};
 use crate::scene::ray::{Clearance, SurfacePoint};
-use crate::scene::texture::TextureView;
+use crate::scene::texture::{Coordinates, TextureView};
 use core::f32::consts::FRAC_1_PI;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
@@ -124,7 +124,7 @@ impl EmissionMap {
         let first = 1.0 - a - b;
         let u = self.uv0[0] * first + self.uv1[0] * a + self.uv2[0] * b;
         let v = self.uv0[1] * first + self.uv1[1] * a + self.uv2[1] * b;
-        textures.sample(self.texture, u, v)
+        textures.sample(self.texture, Coordinates::both(Vec2::new(u, v)))
     }
 }
 

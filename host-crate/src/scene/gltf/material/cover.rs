@@ -1,14 +1,15 @@
 //! What lies over a surface and what it encloses: coats, sheen, volumes.
 
-use super::ALPHA;
 use super::described::Reader;
+use super::{ALPHA, ROUGHNESS};
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
 use crate::scene::material::{Anisotropy, Attenuation, Principled};
+use crate::scene::rule;
 use crate::scene::summary::Fate;
 use glam::Vec3;
 use gltf::json::Value;
-use gltf::json::material::Material;
+use gltf::json::material::{Material, NormalTexture};
 use gltf::json::texture::Info;
 use serde::Deserialize;
 
@@ -16,9 +17,8 @@ const CLEARCOAT: &str = "KHR_materials_clearcoat";
 const SHEEN: &str = "KHR_materials_sheen";
 const VOLUME: &str = "KHR_materials_volume";
 const ANISOTROPY: &str = "KHR_materials_anisotropy";
-const GRAIN_TEXTURE: Fate = Fate::Becomes(
-    "what textures say of anisotropy is left out, strength and rotation are those of all of it: ",
-);
+const THICKNESS: Fate =
+    Fate::Judged("light goes as far through a body as its mesh is thick, whatever this says: ");
 
 #[derive(Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -27,7 +27,7 @@ struct Clearcoat {
     clearcoat_texture: Option<Info>,
     clearcoat_roughness_factor: f32,
     clearcoat_roughness_texture: Option<Info>,
-    clearcoat_normal_texture: Option<Value>,
+    clearcoat_normal_texture: Option<NormalTexture>,
 }
 
 #[derive(Default, Deserialize)]
@@ -45,20 +45,26 @@ struct Grain {
     anisotropy_strength: f32,
     /// Radians.
     anisotropy_rotation: f32,
-    anisotropy_texture: Option<Value>,
+    anisotropy_texture: Option<Info>,
 }
 
 #[derive(Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 struct Volume {
     thickness_factor: f32,
+    thickness_texture: Option<Value>,
     attenuation_distance: Option<f64>,
     attenuation_color: [f32; 3],
 }
 
 impl Default for Volume {
     fn default() -> Self {
-        Self { thickness_factor: 0.0, attenuation_distance: None, attenuation_color: [1.0; 3] }
+        Self {
+            thickness_factor: 0.0,
+            thickness_texture: None,
+            attenuation_distance: None,
+            attenuation_color: [1.0; 3],
+        }
     }
 }
 
@@ -76,7 +82,7 @@ impl Reader<'_, '_> {
             self.sheen(&sheen, plain)?;
         }
         if let Some(grain) = self.extension::<Grain>(json, ANISOTROPY)? {
-            self.grain(&grain, plain);
+            self.grain(&grain, plain)?;
         }
         let volume = self.extension::<Volume>(json, VOLUME)?.unwrap_or_default();
         self.volume(&volume, plain);
@@ -90,14 +96,13 @@ impl Reader<'_, '_> {
         if plain.coat == 0.0 {
             return Ok(());
         }
+        let factor = coat.clearcoat_texture.as_ref();
+        self.slot(factor, &[rule::Slot::Coat(0)], "clearcoatTexture")?;
         let roughness = coat.clearcoat_roughness_texture.as_ref();
-        plain.coat *= self.mean_code(coat.clearcoat_texture.as_ref(), "clearcoatTexture", 0)?;
-        plain.coat_roughness *= self.mean_code(roughness, "clearcoatRoughnessTexture", 1)?;
-        if coat.clearcoat_normal_texture.is_some() {
-            let what = "a coat follows the corners' normals: ";
-            self.note(Fate::Becomes(what), "clearcoatNormalTexture");
-        }
-        Ok(())
+        let says = [rule::Slot::CoatRoughness(ROUGHNESS)];
+        self.slot(roughness, &says, "clearcoatRoughnessTexture")?;
+        let normal = coat.clearcoat_normal_texture.as_ref();
+        self.normal_map(normal, rule::Slot::CoatNormal, "clearcoatNormalTexture")
     }
 
     fn sheen(&mut self, sheen: &Sheen, plain: &mut Principled) -> Result<(), SceneError> {
@@ -106,13 +111,13 @@ impl Reader<'_, '_> {
         if plain.sheen == Vec3::ZERO {
             return Ok(());
         }
-        plain.sheen *= self.mean(sheen.sheen_color_texture.as_ref(), "sheenColorTexture")?;
+        let colour = sheen.sheen_color_texture.as_ref();
+        self.slot(colour, &[rule::Slot::Sheen], "sheenColorTexture")?;
         let roughness = sheen.sheen_roughness_texture.as_ref();
-        plain.sheen_roughness *= self.mean_code(roughness, "sheenRoughnessTexture", ALPHA)?;
-        Ok(())
+        self.slot(roughness, &[rule::Slot::SheenRoughness(ALPHA)], "sheenRoughnessTexture")
     }
 
-    fn grain(&mut self, grain: &Grain, plain: &mut Principled) {
+    fn grain(&mut self, grain: &Grain, plain: &mut Principled) -> Result<(), SceneError> {
         let strength = self.share("anisotropyStrength", grain.anisotropy_strength);
         let degrees = f64::from(grain.anisotropy_rotation).to_degrees();
         let rotation = bounds::rotation(degrees).unwrap_or_else(|_| {
@@ -120,14 +125,19 @@ impl Reader<'_, '_> {
             0.0
         });
         plain.anisotropy = Anisotropy { strength, rotation };
-        if strength > 0.0 && grain.anisotropy_texture.is_some() {
-            self.note(GRAIN_TEXTURE, "anisotropyTexture");
+        if strength > 0.0 {
+            let texture = grain.anisotropy_texture.as_ref();
+            self.slot(texture, &[rule::Slot::Grain], "anisotropyTexture")?;
         }
+        Ok(())
     }
 
     /// Glass without a volume, or without thickness, is thin.
     fn volume(&mut self, volume: &Volume, plain: &mut Principled) {
         plain.thin_walled = plain.transmission > 0.0 && volume.thickness_factor <= 0.0;
+        if plain.transmission > 0.0 && !plain.thin_walled && volume.thickness_texture.is_some() {
+            self.note(THICKNESS, "thicknessTexture");
+        }
         let Some(distance) = volume.attenuation_distance else { return };
         if volume.attenuation_color == [1.0; 3] {
             return;

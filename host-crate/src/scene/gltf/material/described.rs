@@ -1,6 +1,6 @@
 //! What a file says that a material is.
 
-use super::ALPHA;
+use super::{ALPHA, METALLIC, ROUGHNESS};
 use crate::scene::bounds;
 use crate::scene::error::SceneError;
 use crate::scene::gltf::document::Document;
@@ -9,6 +9,7 @@ use crate::scene::gltf::layout::Layout;
 use crate::scene::gltf::specular_glossiness::SpecularGlossiness;
 use crate::scene::gltf::texture::Textures;
 use crate::scene::material::{Opacity, Principled};
+use crate::scene::rule;
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::texture::TextureId;
 use glam::{DVec3, Vec3};
@@ -19,10 +20,6 @@ use serde::de::DeserializeOwned;
 use std::ops::RangeInclusive;
 
 const CLAMPED: Fate = Fate::Becomes("values beyond their range are brought into it: ");
-const ONE_LAYOUT: Fate = Fate::Becomes(
-    "a material has one set of texture coordinates and one transform of them here, its first \
-     texture's; these textures are laid by it too: ",
-);
 const FOLLOWS_MEAN: Fate = Fate::Becomes("these textures are shown in their mean: ");
 const MATT: Fate = Fate::Becomes("what shall not be lit is paint here, lit like all else: ");
 /// What index of refraction stands for a surface that reflects all (0 in a file).
@@ -38,34 +35,18 @@ pub(super) struct Described {
     pub is_invisible: bool,
     /// What its alpha means, whether or not any of its own is below 1.
     pub opacity: Opacity,
-    pub base_colour: Option<Slot>,
-    /// Of roughness and metal.
-    pub roughness: Option<Slot>,
-    /// And what slopes are multiplied by.
-    pub normal: Option<(Slot, f32)>,
-    pub emission: Option<Slot>,
+    /// Its textures.
+    pub slots: Vec<Slot>,
 }
 
-/// A texture and where it lies.
+/// A texture, what it says and where it lies.
 #[derive(Clone, Copy)]
 pub(super) struct Slot {
+    pub says: rule::Slot,
     pub texture: TextureId,
     pub layout: Layout,
-}
-
-impl Described {
-    /// Where its textures lie; without any, the first coordinates if they say where its grain runs.
-    pub(super) fn layout(&self) -> Option<Layout> {
-        let grain = (self.plain.anisotropy.strength > 0.0).then_some(Layout::FIRST);
-        self.layout_of_textures().or(grain)
-    }
-
-    /// Where its textures lie.
-    pub(super) fn layout_of_textures(&self) -> Option<Layout> {
-        let normal = self.normal.map(|(slot, _)| slot);
-        let slots = [self.base_colour, self.roughness, normal, self.emission];
-        slots.into_iter().flatten().next().map(|slot| slot.layout)
-    }
+    /// What it is called in messages.
+    pub name: &'static str,
 }
 
 /// What materials are read from, and where it is noted what becomes of them.
@@ -82,6 +63,8 @@ pub(super) struct Reader<'m, 'a> {
     pub name: String,
     /// Where it is in the file.
     pub place: String,
+    /// The textures so far.
+    pub slots: Vec<Slot>,
 }
 
 impl Sources<'_> {
@@ -102,7 +85,7 @@ impl Sources<'_> {
             None => (&default, "the default material".to_owned()),
         };
         let name = json.name.clone().unwrap_or_else(|| own_place.clone());
-        Reader { sources: self, name, place: own_place }.read(json)
+        Reader { sources: self, name, place: own_place, slots: Vec::new() }.read(json)
     }
 }
 
@@ -124,11 +107,11 @@ impl Reader<'_, '_> {
         };
         let [red, green, blue, alpha] = base;
         let base = self.colour("base colour", [red, green, blue]);
-        let base_colour = self.slot(base_texture, "the base colour's texture")?;
+        self.slot(base_texture, &[rule::Slot::BaseColour], "the base colour's texture")?;
         let opacity = self.opacity(json, alpha)?;
         let may_be_seen_through = opacity != Opacity::Opaque;
         let pictures = &self.sources.textures.pictures;
-        let has_alpha = base_colour.is_some_and(|slot| pictures.has_alpha(slot.texture));
+        let has_alpha = self.slots.iter().any(|slot| pictures.has_alpha(slot.texture));
         let has_holes = may_be_seen_through && (alpha < 1.0 || has_alpha);
         let mut plain = Principled::paint(base, 1.0);
         if has_holes {
@@ -138,15 +121,13 @@ impl Reader<'_, '_> {
             plain,
             is_invisible: may_be_seen_through && alpha <= 0.0,
             opacity,
-            base_colour,
-            roughness: None,
-            normal: None,
-            emission: None,
+            slots: Vec::new(),
             name: self.name.clone(),
         };
         if extensions.is_some_and(|all| all.unlit.is_some()) {
             described.plain.specular = Vec3::ZERO;
             self.note(MATT, "KHR_materials_unlit");
+            described.slots = self.slots;
             return Ok(described);
         }
         match &older {
@@ -155,20 +136,21 @@ impl Reader<'_, '_> {
                 let model = &json.pbr_metallic_roughness;
                 described.plain.metallic = self.share("metallicFactor", model.metallic_factor.0);
                 described.plain.roughness = self.share("roughnessFactor", model.roughness_factor.0);
-                described.roughness = self
-                    .slot(model.metallic_roughness_texture.as_ref(), "metallicRoughnessTexture")?;
+                let says = [rule::Slot::Roughness(ROUGHNESS), rule::Slot::Metallic(METALLIC)];
+                let texture = model.metallic_roughness_texture.as_ref();
+                self.slot(texture, &says, "metallicRoughnessTexture")?;
                 self.dielectric(json, &mut described.plain)?;
                 self.cover(json, &mut described.plain)?;
             }
         }
-        described.normal = self.normal_map(json.normal_texture.as_ref())?;
-        (described.plain.emission, described.emission) = self.emission(json)?;
+        self.normal_map(json.normal_texture.as_ref(), rule::Slot::Normal, "normalTexture")?;
+        described.plain.emission = self.emission(json)?;
         if has_holes && described.plain.emission != Vec3::ZERO {
             described.plain.opacity = Opacity::Opaque;
             self.note(Fate::Becomes("what emits is opaque: "), "alphaMode");
         }
         self.note_what_is_left_out(json)?;
-        self.note_other_layouts(&described);
+        described.slots = self.slots;
         Ok(described)
     }
 
@@ -180,11 +162,13 @@ impl Reader<'_, '_> {
         let mut specular = self.colour("specularFactor", older.specular_factor);
         let mut gloss = self.share("glossinessFactor", older.glossiness_factor);
         let thing = "specularGlossinessTexture";
-        if let Some(slot) = self.slot(older.specular_glossiness_texture.as_ref(), thing)? {
+        let texture = older.specular_glossiness_texture.as_ref();
+        let texture = texture.map(|info| self.texture(info.index.value(), thing)).transpose()?;
+        if let Some(texture) = texture.flatten() {
             self.note(FOLLOWS_MEAN, thing);
-            let texture = self.sources.textures.pictures.get(slot.texture);
+            let texture = self.sources.textures.pictures.get(texture);
             specular *= texture.mean();
-            gloss *= texture.mean_code(ALPHA);
+            gloss *= texture.mean_code(ALPHA as usize);
         }
         plain.roughness = 1.0 - gloss;
         let straight = (plain.ior - 1.0) / (plain.ior + 1.0);
@@ -204,30 +188,27 @@ impl Reader<'_, '_> {
             });
         }
         if let Some(specular) = &extensions.specular {
-            let mut factor = self.share("specularFactor", specular.specular_factor.0);
+            let factor = self.share("specularFactor", specular.specular_factor.0);
             let texture = specular.specular_texture.as_ref();
-            factor *= self.mean_code(texture, "specularTexture", ALPHA)?;
+            self.slot(texture, &[rule::Slot::Specular(ALPHA)], "specularTexture")?;
             let colour = specular.specular_color_factor.0.map(f64::from);
-            let mut colour = bounds::factor(&colour).unwrap_or_else(|_| {
+            let colour = bounds::factor(&colour).unwrap_or_else(|_| {
                 self.note(CLAMPED, "specularColorFactor");
                 clamped(colour, 0.0..=1.0)
             });
             let texture = specular.specular_color_texture.as_ref();
-            colour *= self.mean(texture, "specularColorTexture")?;
-            if factor < 1.0 {
+            self.slot(texture, &[rule::Slot::SpecularColour], "specularColorTexture")?;
+            if factor < 1.0 || specular.specular_texture.is_some() {
                 let what = "reflection at grazing angles is not made less by specularFactor: ";
                 self.note(Fate::Judged(what), "specularFactor");
             }
             plain.specular = colour * factor;
         }
         if let Some(transmission) = &extensions.transmission {
-            let mut factor = self.share("transmissionFactor", transmission.transmission_factor.0);
-            let thing = "transmissionTexture";
-            if let Some(slot) = self.slot(transmission.transmission_texture.as_ref(), thing)?
-                && factor > 0.0
-            {
-                self.note(FOLLOWS_MEAN, thing);
-                factor *= self.sources.textures.pictures.get(slot.texture).mean_code(0);
+            let factor = self.share("transmissionFactor", transmission.transmission_factor.0);
+            if factor > 0.0 {
+                let texture = transmission.transmission_texture.as_ref();
+                self.slot(texture, &[rule::Slot::Transmission(0)], "transmissionTexture")?;
             }
             plain.transmission = factor;
         }
@@ -253,7 +234,7 @@ impl Reader<'_, '_> {
     }
 
     /// What the front emits, and the texture that multiplies it.
-    fn emission(&mut self, json: &Material) -> Result<(Vec3, Option<Slot>), SceneError> {
+    fn emission(&mut self, json: &Material) -> Result<Vec3, SceneError> {
         let extensions = json.extensions.as_ref();
         let strength = extensions.and_then(|all| all.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |strength| f64::from(strength.emissive_strength.0));
@@ -263,88 +244,57 @@ impl Reader<'_, '_> {
             clamped(emission, 0.0..=bounds::MAX_RADIANCE)
         });
         if emission == Vec3::ZERO {
-            return Ok((emission, None));
+            return Ok(emission);
         }
-        let slot = self.slot(json.emissive_texture.as_ref(), "emissiveTexture")?;
+        self.slot(json.emissive_texture.as_ref(), &[rule::Slot::Emission], "emissiveTexture")?;
         if json.double_sided {
             self.note(Fate::Becomes("lamps shine from the front alone: "), "doubleSided");
         }
-        Ok((emission, slot))
+        Ok(emission)
     }
 
-    fn normal_map(
+    /// A map of normals, if there is one and its picture can be read.
+    pub(super) fn normal_map(
         &mut self,
         normal: Option<&NormalTexture>,
-    ) -> Result<Option<(Slot, f32)>, SceneError> {
-        let Some(normal) = normal else { return Ok(None) };
+        says: fn(f32) -> rule::Slot,
+        name: &'static str,
+    ) -> Result<(), SceneError> {
+        let Some(normal) = normal else { return Ok(()) };
         let transform = normal.extensions.as_ref().and_then(|all| all.others.get(TRANSFORM));
-        let slot = self.slot_of(
-            normal.index.value(),
-            Layout::new(self.sources.document, normal.tex_coord, transform, &self.place)?,
-            "normalTexture",
-        )?;
+        let layout = Layout::new(self.sources.document, normal.tex_coord, transform, &self.place)?;
         let scale = bounds::scale(normal.scale.into()).unwrap_or_else(|_| {
             self.note(CLAMPED, "normalTexture.scale");
             1.0
         });
-        Ok(slot.map(|slot| (slot, scale)))
+        let texture = self.texture(normal.index.value(), name)?;
+        let slot = |texture| Slot { says: says(scale), texture, layout, name };
+        self.slots.extend(texture.map(slot));
+        Ok(())
     }
 
-    /// A texture, if there is one and its picture can be read.
+    /// A texture and what it says, if there is one and its picture can be read.
     pub(super) fn slot(
         &mut self,
         info: Option<&Info>,
-        thing: &str,
-    ) -> Result<Option<Slot>, SceneError> {
-        let Some(info) = info else { return Ok(None) };
+        says: &[rule::Slot],
+        name: &'static str,
+    ) -> Result<(), SceneError> {
+        let Some(info) = info else { return Ok(()) };
         let transform = info.extensions.as_ref().and_then(|all| all.others.get(TRANSFORM));
         let layout = Layout::new(self.sources.document, info.tex_coord, transform, &self.place)?;
-        self.slot_of(info.index.value(), layout, thing)
-    }
-
-    fn slot_of(
-        &mut self,
-        texture: usize,
-        layout: Layout,
-        thing: &str,
-    ) -> Result<Option<Slot>, SceneError> {
-        let place = format!("{}, {thing}", self.place);
-        let Sources { textures, summary, .. } = &mut *self.sources;
-        let texture = textures.load(texture, &place, &self.name, summary)?;
-        Ok(texture.map(|texture| Slot { texture, layout }))
-    }
-
-    fn note_other_layouts(&mut self, described: &Described) {
-        let normal = described.normal.map(|(slot, _)| slot);
-        let others = [
-            (described.roughness, "metallicRoughnessTexture"),
-            (normal, "normalTexture"),
-            (described.emission, "emissiveTexture"),
-        ];
-        for (slot, thing) in others {
-            if slot.is_some_and(|slot| Some(slot.layout) != described.layout()) {
-                self.note(ONE_LAYOUT, thing);
-            }
+        if let Some(texture) = self.texture(info.index.value(), name)? {
+            let slot = |&says: &rule::Slot| Slot { says, texture, layout, name };
+            self.slots.extend(says.iter().map(slot));
         }
+        Ok(())
     }
 
-    /// The mean colour of a texture; white if there is none.
-    pub(super) fn mean(&mut self, texture: Option<&Info>, thing: &str) -> Result<Vec3, SceneError> {
-        let Some(slot) = self.slot(texture, thing)? else { return Ok(Vec3::ONE) };
-        self.note(FOLLOWS_MEAN, thing);
-        Ok(self.sources.textures.pictures.get(slot.texture).mean())
-    }
-
-    /// The mean of a channel of a texture; 1 if there is none.
-    pub(super) fn mean_code(
-        &mut self,
-        texture: Option<&Info>,
-        thing: &str,
-        channel: usize,
-    ) -> Result<f32, SceneError> {
-        let Some(slot) = self.slot(texture, thing)? else { return Ok(1.0) };
-        self.note(FOLLOWS_MEAN, thing);
-        Ok(self.sources.textures.pictures.get(slot.texture).mean_code(channel))
+    /// The texture of this number, if its picture can be read.
+    fn texture(&mut self, texture: usize, name: &str) -> Result<Option<TextureId>, SceneError> {
+        let place = format!("{}, {name}", self.place);
+        let Sources { textures, summary, .. } = &mut *self.sources;
+        textures.load(texture, &place, &self.name, summary)
     }
 
     /// What the file has under this name, if anything.

@@ -1,5 +1,6 @@
 //! The rule that a scene file gives for a material.
 
+mod layout;
 mod textures;
 
 pub(super) use self::textures::key_of;
@@ -11,7 +12,6 @@ use super::values::{
 };
 use crate::scene::material::{Anisotropy, Attenuation, Material, Opacity, Principled, Reflectance};
 use crate::scene::metal::{Conductor, Metal};
-use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::rule::{MaterialRule, Slot, TextureFile, TexturedRule};
 use glam::Vec3;
 use serde::Deserialize;
@@ -138,9 +138,24 @@ impl Made {
         if textures.is_empty() {
             return MaterialRule::Plain(material);
         }
-        let map = TextureMap::default();
-        MaterialRule::Textured(TexturedRule { material, textures, map, otherwise: None })
+        MaterialRule::Textured(TexturedRule { material, textures, otherwise: None })
     }
+}
+
+/// The material with 1 for each number that a texture multiplies, besides those of all principled
+/// materials.
+fn shown(mut material: Principled, textures: &[TextureFile]) -> Principled {
+    for file in textures {
+        match file.slot {
+            Slot::Coat(_) => material.coat = 1.0,
+            Slot::CoatRoughness(_) => material.coat_roughness = 1.0,
+            Slot::Sheen => material.sheen = Vec3::ONE,
+            Slot::SheenRoughness(_) => material.sheen_roughness = 1.0,
+            Slot::Transmission(_) => material.transmission = 1.0,
+            _ => {}
+        }
+    }
+    material
 }
 
 /// Of keys with whether they are given, those that are.
@@ -201,7 +216,7 @@ impl MaterialKeys {
     fn principled(self) -> Result<Made, String> {
         self.refuse("a principled", &["transmittance"])?;
         let (attenuation, priority) = (self.attenuation()?, self.priority());
-        let anisotropy = self.grain();
+        let mut anisotropy = self.grain();
         let textures: Vec<_> =
             self.textures.map(|Object(textures)| textures.files().collect()).unwrap_or_default();
         if textures.iter().any(|file| matches!(file.slot, Slot::Bump(_)))
@@ -209,12 +224,16 @@ impl MaterialKeys {
         {
             return Err("`textures` has `normal` or `bump`, not both".to_owned());
         }
+        if self.anisotropy.is_none() && textures.iter().any(|file| file.slot == Slot::Grain) {
+            anisotropy.strength = 1.0;
+        }
         let has = |wanted: fn(&Slot) -> bool| textures.iter().any(|file| wanted(&file.slot));
         let roughness = if has(|slot| matches!(slot, Slot::Roughness(_))) { 1.0 } else { 0.5 };
         let metallic = if has(|slot| matches!(slot, Slot::Metallic(_))) { 1.0 } else { 0.0 };
         let emission = if has(|slot| *slot == Slot::Emission) { Vec3::ONE } else { Vec3::ZERO };
         let share = |key: Option<Share>, default| key.map_or(default, |Share(share)| share);
-        let plain = Principled::paint(Vec3::ONE, share(self.roughness, roughness));
+        let plain =
+            shown(Principled::paint(Vec3::ONE, share(self.roughness, roughness)), &textures);
         let emission = self.radiance.map_or(emission, |Radiance(radiance)| radiance);
         let opacity = match (self.alpha, self.alpha_cutoff) {
             (None, None) => Opacity::Opaque,

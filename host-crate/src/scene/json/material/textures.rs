@@ -1,5 +1,6 @@
 //! The textures that a scene file gives a material.
 
+use super::layout::Layout;
 use crate::scene::json::values::{Colour, Height, Object, Slope, present};
 use crate::scene::rule::{Slot, TextureFile};
 use crate::scene::texture::TextureFilter;
@@ -36,10 +37,12 @@ impl<'de> Deserialize<'de> for Albedo {
                     texture: String,
                     #[serde(default)]
                     filter: FilterKey,
+                    #[serde(default)]
+                    transform: Object<Layout>,
                 }
                 let keys = TextureKeys::deserialize(value::MapAccessDeserializer::new(keys))?;
                 let path = PathBuf::from(keys.texture);
-                Ok(Albedo::Texture(texture_file(Slot::Colour, path, keys.filter)))
+                Ok(Albedo::Texture(texture_file(Slot::Colour, path, (keys.filter, keys.transform))))
             }
         }
 
@@ -61,6 +64,24 @@ pub(super) struct TextureKeys {
     bump: Option<Object<BumpKeys>>,
     #[serde(default, deserialize_with = "present")]
     emission: Option<Object<FileKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    coat: Option<Object<ChannelKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    coat_roughness: Option<Object<ChannelKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    coat_normal: Option<Object<NormalKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    sheen: Option<Object<FileKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    sheen_roughness: Option<Object<ChannelKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    transmission: Option<Object<ChannelKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    specular: Option<Object<ChannelKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    specular_colour: Option<Object<FileKeys>>,
+    #[serde(default, deserialize_with = "present")]
+    anisotropy: Option<Object<FileKeys>>,
 }
 
 #[derive(Deserialize)]
@@ -70,6 +91,8 @@ struct ChannelKeys {
     channel: TextureChannel,
     #[serde(default)]
     filter: FilterKey,
+    #[serde(default)]
+    transform: Object<Layout>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -89,6 +112,8 @@ struct NormalKeys {
     scale: Option<Slope>,
     #[serde(default)]
     filter: FilterKey,
+    #[serde(default)]
+    transform: Object<Layout>,
 }
 
 #[derive(Deserialize)]
@@ -98,6 +123,8 @@ struct BumpKeys {
     height: Height,
     #[serde(default)]
     filter: FilterKey,
+    #[serde(default)]
+    transform: Object<Layout>,
 }
 
 #[derive(Deserialize)]
@@ -106,6 +133,8 @@ struct FileKeys {
     file: PathBuf,
     #[serde(default)]
     filter: FilterKey,
+    #[serde(default)]
+    transform: Object<Layout>,
 }
 
 /// What is seen between texels.
@@ -118,49 +147,76 @@ enum FilterKey {
 }
 
 /// A texture that a scene file names.
-fn texture_file(slot: Slot, path: PathBuf, filter: FilterKey) -> TextureFile {
+fn texture_file(
+    slot: Slot,
+    path: PathBuf,
+    (filter, Object(Layout(map))): (FilterKey, Object<Layout>),
+) -> TextureFile {
     let filter = match filter {
         FilterKey::Linear => TextureFilter::Linear,
         FilterKey::Nearest => TextureFilter::Nearest,
     };
-    TextureFile { slot, line: 0, path, filter }
+    TextureFile { slot, line: 0, path, filter, map }
 }
 
 /// The key within a material that names the file of a texture.
 pub(in crate::scene::json) fn key_of(slot: Slot) -> &'static str {
     match slot {
-        Slot::Colour => "reflectance.texture",
+        Slot::Colour | Slot::BaseColour => "reflectance.texture",
         Slot::Roughness(_) => "textures.roughness.file",
         Slot::Metallic(_) => "textures.metallic.file",
         Slot::Normal(_) => "textures.normal.file",
         Slot::Bump(_) => "textures.bump.file",
         Slot::Emission => "textures.emission.file",
+        Slot::Coat(_) => "textures.coat.file",
+        Slot::CoatRoughness(_) => "textures.coat_roughness.file",
+        Slot::CoatNormal(_) => "textures.coat_normal.file",
+        Slot::Sheen => "textures.sheen.file",
+        Slot::SheenRoughness(_) => "textures.sheen_roughness.file",
+        Slot::Transmission(_) => "textures.transmission.file",
+        Slot::Specular(_) => "textures.specular.file",
+        Slot::SpecularColour => "textures.specular_colour.file",
+        Slot::Grain => "textures.anisotropy.file",
     }
 }
 
 impl TextureKeys {
     /// All of them.
     pub fn files(self) -> impl Iterator<Item = TextureFile> {
-        let channel = |slot: fn(u32) -> Slot| {
-            move |Object(ChannelKeys { file, channel, filter })| {
-                texture_file(slot(channel as u32), file, filter)
+        let share = |slot: fn(u32) -> Slot| {
+            move |Object(ChannelKeys { file, channel, filter, transform })| {
+                texture_file(slot(channel as u32), file, (filter, transform))
             }
         };
-        let normal = self.normal.map(|Object(NormalKeys { file, scale, filter })| {
-            texture_file(Slot::Normal(scale.map_or(1.0, |Slope(scale)| scale)), file, filter)
-        });
-        let bump = self.bump.map(|Object(BumpKeys { file, height: Height(height), filter })| {
-            texture_file(Slot::Bump(height), file, filter)
-        });
-        let emission = self
-            .emission
-            .map(|Object(FileKeys { file, filter })| texture_file(Slot::Emission, file, filter));
+        let normals = |slot: fn(f32) -> Slot| {
+            move |Object(NormalKeys { file, scale, filter, transform })| {
+                let scale = scale.map_or(1.0, |Slope(scale)| scale);
+                texture_file(slot(scale), file, (filter, transform))
+            }
+        };
+        let plain = |slot: Slot| {
+            move |Object(FileKeys { file, filter, transform })| {
+                texture_file(slot, file, (filter, transform))
+            }
+        };
+        let bump = |Object(BumpKeys { file, height: Height(height), filter, transform })| {
+            texture_file(Slot::Bump(height), file, (filter, transform))
+        };
         [
-            self.roughness.map(channel(Slot::Roughness)),
-            self.metallic.map(channel(Slot::Metallic)),
-            normal,
-            bump,
-            emission,
+            self.roughness.map(share(Slot::Roughness)),
+            self.metallic.map(share(Slot::Metallic)),
+            self.normal.map(normals(Slot::Normal)),
+            self.bump.map(bump),
+            self.emission.map(plain(Slot::Emission)),
+            self.coat.map(share(Slot::Coat)),
+            self.coat_roughness.map(share(Slot::CoatRoughness)),
+            self.coat_normal.map(normals(Slot::CoatNormal)),
+            self.sheen.map(plain(Slot::Sheen)),
+            self.sheen_roughness.map(share(Slot::SheenRoughness)),
+            self.transmission.map(share(Slot::Transmission)),
+            self.specular.map(share(Slot::Specular)),
+            self.specular_colour.map(plain(Slot::SpecularColour)),
+            self.anisotropy.map(plain(Slot::Grain)),
         ]
         .into_iter()
         .flatten()

@@ -119,7 +119,7 @@ mod tests {
     fn parsed(text: &str) -> (&str, [f64; 4], Vec<String>) {
         let statement = MapStatement::parse(text.as_bytes());
         let MapStatement { file, map, without_effect, .. } = statement;
-        let TextureMap { scale, offset } = map;
+        let TextureMap { scale, offset, .. } = map;
         let file = std::str::from_utf8(file).unwrap();
         (file, [scale.x, scale.y, offset.x, offset.y], without_effect)
     }

@@ -133,23 +133,19 @@ impl Describer<'_> {
         let found = [(Slot::Colour, colour), (Slot::Emission, glow)];
         let found = found.into_iter().filter_map(|(slot, found)| Some((slot, found?)));
         let found: Vec<_> = found.chain(bump).collect();
-        let Some(&(_, TextureFile { map, .. })) = found.first() else {
+        if found.is_empty() {
             return Ok(MaterialRule::Plain(material));
-        };
-        for (_, other) in found.iter().filter(|(_, other)| other.map != map) {
-            let thing = format!("place of {}", other.path.display());
-            let name = entry.name.to_string();
-            summary.note(&entry.path, other.line, Fate::WithoutEffect, &thing, &name);
         }
-        let file = |(slot, TextureFile { path, line, .. })| rule::TextureFile {
+        let file = |(slot, TextureFile { path, line, map })| rule::TextureFile {
             slot,
             line,
             path,
             filter: TextureFilter::Linear,
+            map,
         };
         let textures = found.into_iter().map(file).collect();
         let otherwise = Some(otherwise);
-        Ok(MaterialRule::Textured(TexturedRule { material, textures, map, otherwise }))
+        Ok(MaterialRule::Textured(TexturedRule { material, textures, otherwise }))
     }
 
     /// The texture of the colour, if the entry names one that is there.
