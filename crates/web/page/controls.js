@@ -1,6 +1,6 @@
 // What a person chooses.
 
-import { byId, element } from './elements.js';
+import { byId, element, list } from './elements.js';
 
 const CHOICES = ['width', 'allocator', 'estimator', 'integrator', 'filter', 'samples', 'relative'];
 
@@ -30,10 +30,6 @@ export class Controls {
   // Fills the lists with what there is.
   fill({ scenes, allocators, estimators, integrators, filters, layers, device }) {
     this.#scenes = scenes;
-    const list = (id, names, chosen) => {
-      const option = (name) => new Option(name, name, false, name === chosen);
-      byId(id).replaceChildren(...names.map(option));
-    };
     list('scene', scenes.map(({ name }) => name));
     list('allocator', allocators, 'runs');
     list('estimator', estimators, 'bilateral');
@@ -56,6 +52,10 @@ export class Controls {
 
   layer() {
     return this.#layer;
+  }
+
+  isPaused() {
+    return this.#isPaused;
   }
 
   exposure() {
@@ -115,7 +115,7 @@ export class Controls {
   #pause() {
     this.#isPaused = !this.#isPaused;
     byId('pause').textContent = this.#isPaused ? 'Go on' : 'Pause';
-    this.onPause(this.#isPaused);
+    this.onPause();
   }
 
   #press() {

@@ -22,6 +22,12 @@ export function drawn(name, attributes = {}, ...children) {
   return made;
 }
 
+// Fills a list with names, one of which is chosen.
+export function list(id, names, chosen) {
+  const option = (name) => new Option(name, name, name === chosen, name === chosen);
+  byId(id).replaceChildren(...names.map(option));
+}
+
 // Says what is wrong; null for nothing.
 export function problem(message) {
   const place = byId('problem');

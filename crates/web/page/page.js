@@ -4,6 +4,7 @@ import { Controls } from './controls.js';
 import { Curve } from './curve.js';
 import { Hands } from './hands.js';
 import { byId, problem } from './elements.js';
+import { Method } from './method.js';
 import { Picture } from './picture.js';
 
 // Milliseconds without a movement after which the camera is at rest.
@@ -13,6 +14,7 @@ const worker = new Worker('worker.js', { type: 'module' });
 const picture = new Picture();
 const curve = new Curve();
 const controls = new Controls();
+const method = new Method((message) => worker.postMessage(message));
 // Which order a picture follows: those of orders before are not shown.
 let number = 0;
 let isMoving = false;
@@ -58,9 +60,27 @@ function inspect() {
   }
 }
 
+// Renders unless it was told to pause, or something else is looked at.
+function pause() {
+  const paused = controls.isPaused() || byId('render').hidden;
+  worker.postMessage({ kind: 'pause', paused });
+}
+
+function view(name) {
+  for (const each of ['render', 'method']) {
+    byId(each).hidden = each !== name;
+    byId(`to-${each}`).setAttribute('aria-pressed', String(each === name));
+  }
+  pause();
+  if (name === 'method') {
+    method.open();
+  }
+}
+
 const told = {
   known(known) {
     controls.fill(known);
+    method.fill(known);
     open();
   },
   scene(facts) {
@@ -81,8 +101,13 @@ const told = {
   pixel({ rows }) {
     picture.showPixel(rows);
   },
+  round(told) {
+    problem(null);
+    method.show(told);
+  },
   problem({ message }) {
     problem(message);
+    method.failed();
   },
 };
 
@@ -92,7 +117,7 @@ worker.addEventListener('error', (event) => problem(event.message || 'the worker
 controls.onScene = () => open();
 controls.onChoice = choose;
 controls.onLayer = show;
-controls.onPause = (paused) => worker.postMessage({ kind: 'pause', paused });
+controls.onPause = pause;
 controls.onReset = () => move({ reset: true });
 controls.onSave = () => picture.save(controls.scene());
 new Hands(byId('picture'), {
@@ -103,3 +128,5 @@ new Hands(byId('picture'), {
   },
   key: (key) => controls.key(key),
 });
+byId('to-render').addEventListener('click', () => view('render'));
+byId('to-method').addEventListener('click', () => view('method'));

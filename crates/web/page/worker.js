@@ -7,6 +7,9 @@ const TURN = 50;
 // Milliseconds between two pictures; the first come sooner.
 const INTERVAL = 200;
 
+// What can be asked without an open scene.
+const APART = ['open', 'show', 'pause', 'method', 'round', 'ask'];
+
 const waiting = [];
 let wake = () => {};
 let engine;
@@ -80,6 +83,15 @@ const does = {
   async inspect({ x, y }) {
     postMessage({ kind: 'pixel', rows: await engine.ask({ ask: 'inspect', x, y }) });
   },
+  async method({ scene, choices }) {
+    await engine.ask({ ask: 'method', scene, choices });
+  },
+  async round({ number }) {
+    const told = await engine.ask({ ask: 'round' });
+    const sizes = told.stages.flatMap(({ pictures }) => pictures.map(({ size }) => size));
+    const pixels = engine.pixels([sizes.reduce((sum, [width, height]) => sum + width * height, 0), 1]);
+    postMessage({ kind: 'round', number, ...told, pixels }, [pixels.buffer]);
+  },
   // Any other question, for an answer.
   async ask({ question, id }) {
     postMessage({ kind: 'answer', id, answer: await engine.ask(question) });
@@ -113,7 +125,7 @@ async function render() {
 async function turn() {
   if (waiting.length > 0) {
     const message = joined(waiting.shift());
-    if (isOpen || ['open', 'show', 'pause', 'ask'].includes(message.kind)) {
+    if (isOpen || APART.includes(message.kind)) {
       await does[message.kind](message);
     }
   } else if (isOpen && hasMore && !isPaused) {

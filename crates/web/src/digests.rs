@@ -1,7 +1,7 @@
 //! What a device computes in a render's rounds, kernel by kernel, as digests: two devices with the
 //! same ones have the same bytes.
 
-use crate::recording::{Recording, Step};
+use crate::recording::{Keep, Recording, Step};
 use raystream::exec::{Executor, UNORDERED};
 use raystream::film_file::scene_digest;
 use raystream::render::{AllocatorKind, Estimator};
@@ -65,8 +65,8 @@ pub fn digests<E: Executor>(executor: &E, scene: &Scene) -> Result<Digests, Rend
             ..Settings::for_scene(scene)
         };
         let render = format!("{integrator}, {allocator}, {estimator}");
-        let recording = Recording::new(executor);
-        render_rounds(&recording, &scene_with, &settings)?;
+        let recording = Recording::new(executor, |_| Keep::Written);
+        render_rounds(recording.clone(), &scene_with, &settings)?;
         let steps = recording.take();
         all.extend((1..).zip(&steps).flat_map(|(launch, step)| of_step(&render, launch, step)));
     }

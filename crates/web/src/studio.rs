@@ -1,7 +1,8 @@
 //! Who answers the page's questions.
 
-use crate::ask::{Chosen, Motion, Question};
+use crate::ask::{Chosen, MethodChosen, Motion, Question};
 use crate::digests::digests;
+use crate::method::Method;
 use crate::page::Page;
 use raystream::exec::Executor;
 use raystream::image::Display;
@@ -20,6 +21,7 @@ pub struct Studio<E: Executor + Clone> {
     executor: E,
     files: BTreeMap<PathBuf, Vec<u8>>,
     page: Option<Page<E>>,
+    method: Option<Method<E>>,
     pixels: Vec<u8>,
 }
 
@@ -28,7 +30,7 @@ type Answer = Result<Value, Box<dyn Error>>;
 impl<E: Executor + Clone> Studio<E> {
     /// An empty page.
     pub fn new(executor: E) -> Self {
-        Self { executor, files: BTreeMap::new(), page: None, pixels: Vec::new() }
+        Self { executor, files: BTreeMap::new(), page: None, method: None, pixels: Vec::new() }
     }
 
     /// Keeps a file, for a scene that is opened later.
@@ -41,7 +43,8 @@ impl<E: Executor + Clone> Studio<E> {
         self.files.clear();
     }
 
-    /// The pixels that were painted last: red, green, blue and 255 of each.
+    /// The pixels that were painted last, of one picture after the other: red, green, blue and 255
+    /// of each.
     pub fn pixels(&self) -> &[u8] {
         &self.pixels
     }
@@ -76,6 +79,8 @@ impl<E: Executor + Clone> Studio<E> {
             }
             Question::Paint { layer, exposure } => self.paint(&layer, exposure),
             Question::Inspect { x, y } => Ok(json!(self.page()?.inspect([x, y]))),
+            Question::Method { scene, choices } => self.open_method(&scene, &choices),
+            Question::Round => self.round(),
             Question::Digests { scene } => {
                 let scene = LoadOptions::default().load_named(&scene)?;
                 Ok(json!(digests(&self.executor, &scene)?))
@@ -111,6 +116,22 @@ impl<E: Executor + Clone> Studio<E> {
         });
         self.page = Some(page);
         Ok(answer)
+    }
+
+    fn open_method(&mut self, name: &str, chosen: &MethodChosen) -> Answer {
+        self.method = None;
+        let scene = self.load(name)?;
+        let choice = chosen.choice(scene.film)?;
+        self.method = Some(Method::new(self.executor.clone(), &scene, choice)?);
+        Ok(json!({ "size": [choice.size.width, choice.size.height] }))
+    }
+
+    /// The stages of the next round; their pictures are one after the other in the pixels.
+    fn round(&mut self) -> Answer {
+        let told = self.method.as_mut().ok_or("no method is shown")?.round()?;
+        let pictures = told.stages.iter().flat_map(|stage| &stage.pictures);
+        self.pixels = pictures.flat_map(|painted| painted.rgba.iter().copied()).collect();
+        Ok(serde_json::to_value(told)?)
     }
 
     fn move_camera(&mut self, motion: &Motion) -> Answer {
