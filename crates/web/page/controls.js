@@ -8,6 +8,7 @@ export class Controls {
   #scenes = [];
   #layer = 'Beauty';
   #isPaused = false;
+  onDevice = () => {};
   onScene = () => {};
   onChoice = () => {};
   onLayer = () => {};
@@ -16,6 +17,7 @@ export class Controls {
   onSave = () => {};
 
   constructor() {
+    byId('computer').addEventListener('change', () => this.onDevice());
     byId('scene').addEventListener('change', () => this.onScene());
     for (const id of CHOICES) {
       byId(id).addEventListener('change', () => this.onChoice());
@@ -43,7 +45,26 @@ export class Controls {
       return button;
     }));
     this.#press();
-    byId('device').textContent = `Rendered by ${device}, in WebAssembly.`;
+    this.setDevice('cpu', device, null);
+  }
+
+  // Says which kernels the browser compiles.
+  setCompiling(kernels) {
+    const names = kernels.join(', ');
+    byId('compiling').textContent = names ? `The browser compiles ${names}` : '';
+  }
+
+  computer() {
+    return byId('computer').value;
+  }
+
+  // Says what renders, and why it is not what was chosen.
+  setDevice(name, device, why) {
+    byId('computer').value = name;
+    const by = name === 'cpu' ? `${device}, in WebAssembly` : device;
+    const reason = why ? ` There is no GPU: ${why}.` : '';
+    byId('device').textContent = `Rendered by ${by}.${reason}`;
+    document.documentElement.dataset.device = name;
   }
 
   scene() {

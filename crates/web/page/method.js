@@ -3,7 +3,7 @@
 import { byId, element, list } from './elements.js';
 import { legend, paint } from './picture.js';
 
-const CHOICES = ['scene', 'width', 'allocator', 'estimator', 'budget', 'relative'];
+const CHOICES = ['scene', 'width', 'allocator', 'estimator', 'budget', 'relative', 'beside'];
 
 export class Method {
   #tell;
@@ -39,6 +39,14 @@ export class Method {
     this.#mayBegin();
   }
 
+  // What is computed on has changed: all begins anew.
+  setDevice(name) {
+    byId('method-beside').disabled = name !== 'webgpu';
+    if (this.#number > 0) {
+      this.#begin();
+    }
+  }
+
   // It is looked at.
   open() {
     byId('method').focus({ preventScroll: true });
@@ -61,6 +69,7 @@ export class Method {
       estimator: value('estimator'),
       relative: byId('method-relative').checked,
       budget: Number(value('budget')),
+      beside: byId('method-beside').checked && !byId('method-beside').disabled,
     };
     this.#number += 1;
     this.#tell({ kind: 'method', scene: value('scene'), choices });
@@ -123,7 +132,7 @@ export class Method {
 
   #show(index) {
     this.#at = index;
-    const { name, text, facts, pictures } = this.#stages[index];
+    const { name, text, facts, pictures, kernels, beside } = this.#stages[index];
     byId('stage-name').textContent =
       `Round ${this.#round}, stage ${index + 1} of ${this.#stages.length}: ${name}`;
     byId('stage-text').textContent = text;
@@ -131,6 +140,9 @@ export class Method {
     byId('stage-facts').replaceChildren(...facts.flatMap(({ key, label, value }) => [
       element('dt', {}, label), element('dd', { 'data-fact': key }, value),
     ]));
+    const by = kernels.length > 0 ? `Kernels: ${kernels.join(', ')}. ` : '';
+    byId('stage-beside').textContent = by + (kernels.length > 0 ? beside?.text ?? '' : '');
+    byId('stage-beside').dataset.same = String(beside?.same);
     for (const [at, button] of [...byId('stages').children].entries()) {
       button.setAttribute('aria-pressed', String(at === index));
     }

@@ -45,6 +45,12 @@ function open(files) {
   order({ kind: 'open', scene: controls.scene(), choices: controls.choices(), files });
 }
 
+// What is open is gone with the device.
+function setDevice() {
+  controls.setOpening();
+  worker.postMessage({ kind: 'device', name: controls.computer() });
+}
+
 function choose() {
   curve.clear();
   order({ kind: 'choose', choices: controls.choices() });
@@ -83,6 +89,14 @@ const told = {
     method.fill(known);
     open();
   },
+  device({ name, device, why }) {
+    controls.setDevice(name, device, why);
+    open();
+    method.setDevice(name);
+  },
+  compiling({ kernels }) {
+    controls.setCompiling(kernels);
+  },
   scene(facts) {
     controls.setScene(facts);
   },
@@ -114,6 +128,7 @@ const told = {
 worker.addEventListener('message', ({ data }) => told[data.kind]?.(data));
 worker.addEventListener('error', (event) => problem(event.message || 'the worker has failed'));
 
+controls.onDevice = setDevice;
 controls.onScene = () => open();
 controls.onChoice = choose;
 controls.onLayer = show;

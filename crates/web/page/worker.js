@@ -8,7 +8,7 @@ const TURN = 50;
 const INTERVAL = 200;
 
 // What can be asked without an open scene.
-const APART = ['open', 'show', 'pause', 'method', 'round', 'ask'];
+const APART = ['open', 'show', 'pause', 'method', 'round', 'device', 'ask'];
 
 const waiting = [];
 let wake = () => {};
@@ -58,6 +58,21 @@ const does = {
     isOpen = true;
     begin(number);
     postMessage({ kind: 'scene', ...facts });
+  },
+  // Computes on another device; on the CPU if that is not there.
+  async device({ name }) {
+    isOpen = false;
+    let why = null;
+    if (name === 'webgpu') {
+      try {
+        const onCompile = (kernels) => postMessage({ kind: 'compiling', kernels });
+        await engine.openGpu('kernels.json.gz', onCompile);
+      } catch (error) {
+        [name, why] = ['cpu', error.message];
+      }
+    }
+    const { device } = await engine.ask({ ask: 'device', name });
+    postMessage({ kind: 'device', name, device, why });
   },
   async choose({ choices, number }) {
     await engine.ask({ ask: 'choose', choices });

@@ -2,6 +2,7 @@
 //! it is, an answer an object of its own for each, or `{"error": "..."}`.
 
 use crate::method::Choice;
+use crate::webgpu::Facts;
 use raystream::names::UnknownName;
 use raystream::scene::FilmSize;
 use raystream_view::choices::{Choices, Stops};
@@ -59,11 +60,28 @@ pub enum Question {
     },
     /// Renders a round of it, and shows its stages.
     Round,
+    /// Makes known a GPU that the page has opened.
+    Gpu(Facts),
+    /// Computes on another device from now on. What is open is closed.
+    Device {
+        /// Which.
+        name: DeviceName,
+    },
     /// What kernels compute in small renders, as digests.
     Digests {
         /// The scene, one that ships.
         scene: String,
     },
+}
+
+/// What there is to compute on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DeviceName {
+    /// The CPU, by WebAssembly.
+    Cpu,
+    /// The GPU that was made known, by WebGPU.
+    WebGpu,
 }
 
 /// A movement of the camera; those left out do nothing.
@@ -149,6 +167,9 @@ pub struct MethodChosen {
     pub relative: bool,
     /// Samples of a round, on average over the pixels.
     pub budget: f32,
+    /// Whether the CPU does beside a GPU what that does, to be compared.
+    #[serde(default)]
+    pub beside: bool,
 }
 
 /// Pixels of a side at most where rounds are looked at: all that kernels write is kept.
@@ -242,6 +263,7 @@ mod tests {
             estimator: "halves".to_owned(),
             relative: true,
             budget: 0.5,
+            beside: false,
         };
         let whole = FilmSize { width: 80, height: 60 };
         let choice = chosen.choice(whole).unwrap();

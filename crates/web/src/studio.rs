@@ -1,10 +1,14 @@
 //! Who answers the page's questions.
 
-use crate::ask::{Chosen, MethodChosen, Motion, Question};
+use crate::ask::{Chosen, DeviceName, MethodChosen, Motion, Question};
+use crate::computer::Computer;
 use crate::digests::digests;
 use crate::method::Method;
+use crate::method::beside::Beside;
 use crate::page::Page;
+use crate::webgpu::{Driver, WebGpu};
 use raystream::exec::Executor;
+use raystream::exec::cpu::CpuExecutor;
 use raystream::image::Display;
 use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind};
 use raystream::scene::{self, LoadOptions, Scene, SceneGeometry};
@@ -16,21 +20,32 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// The device, the files that were given, and the page.
-pub struct Studio<E: Executor + Clone> {
-    executor: E,
+/// The devices, the files that were given, and the page.
+pub struct Studio<D: Driver> {
+    driver: Option<D>,
+    gpu: Option<WebGpu<D>>,
+    computer: Computer<D>,
     files: BTreeMap<PathBuf, Vec<u8>>,
-    page: Option<Page<E>>,
-    method: Option<Method<E>>,
+    page: Option<Page<Computer<D>>>,
+    method: Option<Method<Computer<D>>>,
     pixels: Vec<u8>,
 }
 
 type Answer = Result<Value, Box<dyn Error>>;
 
-impl<E: Executor + Clone> Studio<E> {
-    /// An empty page.
-    pub fn new(executor: E) -> Self {
-        Self { executor, files: BTreeMap::new(), page: None, method: None, pixels: Vec::new() }
+impl<D: Driver> Studio<D> {
+    /// An empty page that computes on the CPU. A browser's GPU is made known later, which `driver`
+    /// then drives.
+    pub fn new(driver: Option<D>) -> Self {
+        Self {
+            driver,
+            gpu: None,
+            computer: Computer::Cpu(CpuExecutor),
+            files: BTreeMap::new(),
+            page: None,
+            method: None,
+            pixels: Vec::new(),
+        }
     }
 
     /// Keeps a file, for a scene that is opened later.
@@ -59,7 +74,7 @@ impl<E: Executor + Clone> Studio<E> {
 
     fn answer_to(&mut self, question: Question) -> Answer {
         match question {
-            Question::Known => Ok(known(self.executor.name())),
+            Question::Known => Ok(known(self.computer.name())),
             Question::Open { scene, choices } => self.open(&scene, &choices),
             Question::Choose { choices } => {
                 let page = self.page()?;
@@ -81,15 +96,30 @@ impl<E: Executor + Clone> Studio<E> {
             Question::Inspect { x, y } => Ok(json!(self.page()?.inspect([x, y]))),
             Question::Method { scene, choices } => self.open_method(&scene, &choices),
             Question::Round => self.round(),
+            Question::Gpu(facts) => {
+                let driver = self.driver.clone().ok_or("there is no browser")?;
+                self.gpu = Some(WebGpu::new(driver, facts));
+                Ok(json!({}))
+            }
+            Question::Device { name } => self.compute_on(name),
             Question::Digests { scene } => {
                 let scene = LoadOptions::default().load_named(&scene)?;
-                Ok(json!(digests(&self.executor, &scene)?))
+                Ok(json!(digests(&self.computer, &scene)?))
             }
         }
     }
 
-    fn page(&mut self) -> Result<&mut Page<E>, &'static str> {
+    fn page(&mut self) -> Result<&mut Page<Computer<D>>, &'static str> {
         self.page.as_mut().ok_or("no scene is open")
+    }
+
+    fn compute_on(&mut self, name: DeviceName) -> Answer {
+        let computer = match name {
+            DeviceName::Cpu => Computer::Cpu(CpuExecutor),
+            DeviceName::WebGpu => Computer::Gpu(self.gpu.clone().ok_or("no GPU is open")?),
+        };
+        (self.page, self.method, self.computer) = (None, None, computer);
+        Ok(json!({ "device": self.computer.name() }))
     }
 
     fn load(&self, name: &str) -> Result<Scene, Box<dyn Error>> {
@@ -106,7 +136,7 @@ impl<E: Executor + Clone> Studio<E> {
     fn open(&mut self, name: &str, chosen: &Chosen) -> Answer {
         let scene = self.load(name)?;
         let (size, choices) = (chosen.size(scene.film)?, chosen.choices()?);
-        let page = Page::new(self.executor.clone(), &scene, size, choices, chosen.stops())?;
+        let page = Page::new(self.computer.clone(), &scene, size, choices, chosen.stops())?;
         let facts = page.facts();
         let answer = json!({
             "name": facts.name,
@@ -122,13 +152,24 @@ impl<E: Executor + Clone> Studio<E> {
         self.method = None;
         let scene = self.load(name)?;
         let choice = chosen.choice(scene.film)?;
-        self.method = Some(Method::new(self.executor.clone(), &scene, choice)?);
+        let computer = match &self.computer {
+            Computer::Gpu(gpu) if chosen.beside => Computer::with_cpu(gpu.clone()),
+            computer => computer.clone(),
+        };
+        self.method = Some(Method::new(computer, &scene, choice)?);
         Ok(json!({ "size": [choice.size.width, choice.size.height] }))
     }
 
     /// The stages of the next round; their pictures are one after the other in the pixels.
     fn round(&mut self) -> Answer {
-        let told = self.method.as_mut().ok_or("no method is shown")?.round()?;
+        let method = self.method.as_mut().ok_or("no method is shown")?;
+        let mut told = method.round()?;
+        if let Computer::Both(both) = method.executor() {
+            let partings = both.partings();
+            for stage in &mut told.stages {
+                stage.beside = Some(Beside::of(stage.kernels, &partings));
+            }
+        }
         let pictures = told.stages.iter().flat_map(|stage| &stage.pictures);
         self.pixels = pictures.flat_map(|painted| painted.rgba.iter().copied()).collect();
         Ok(serde_json::to_value(told)?)

@@ -5,6 +5,7 @@
 //! have written; [`seen`] takes that apart, [`stages`] says what a reader is shown of it and why,
 //! [`pictures`] paints it.
 
+pub mod beside;
 pub mod pictures;
 pub mod seen;
 pub mod stages;

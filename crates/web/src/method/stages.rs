@@ -1,6 +1,7 @@
 //! The stages of a round as a reader is shown them.
 
 use super::Choice;
+use super::beside::Beside;
 use super::pictures::{Painter, means};
 use super::seen::{Seen, Selection};
 use super::texts;
@@ -21,6 +22,10 @@ pub struct Stage {
     pub facts: Vec<Fact>,
     /// What there is to see.
     pub pictures: Vec<Painted>,
+    /// The kernels that have computed it.
+    pub kernels: &'static [&'static str],
+    /// What another device has made of it, where one was asked.
+    pub beside: Option<Beside>,
 }
 
 /// A number of a stage.
@@ -86,6 +91,8 @@ impl Round<'_> {
         }
         Stage {
             name: "Film",
+            kernels: &[],
+            beside: None,
             text: texts::film_before(self.number),
             facts: vec![fact("samples-before", "samples in the film", samples(film))],
             pictures,
@@ -100,6 +107,8 @@ impl Round<'_> {
         pictures.push(self.painter().numbers("deviation of the mean", &deviations, false));
         Stage {
             name: "Guides",
+            kernels: &["first_hits", "make_guides"],
+            beside: None,
             text: texts::guides(self.choice.estimator),
             facts: vec![fact("surfaces", "pixels that show a surface", surfaces)],
             pictures,
@@ -113,6 +122,8 @@ impl Round<'_> {
         let painter = self.painter();
         Stage {
             name: "Filtered",
+            kernels: &["filter_errors", "noise_errors", "axis_rates"],
+            beside: None,
             text: texts::filtered(self.choice.estimator),
             facts: vec![fact("apart", "mean distance from the film", short(mean(&apart)))],
             pictures: vec![
@@ -129,6 +140,8 @@ impl Round<'_> {
         let none = errors.iter().filter(|&&error| error == 0.0).count();
         Stage {
             name: "Error",
+            kernels: &["filter_errors", "noise_errors", "axis_rates"],
+            beside: None,
             text: texts::errors(self.choice),
             facts: vec![
                 fact("largest-error", "largest error", short(largest)),
@@ -148,6 +161,16 @@ impl Round<'_> {
         let numbers: Vec<f32> = weights.iter().map(|&weight| weight as f32).collect();
         Stage {
             name: "Weights",
+            kernels: &[
+                "block_errors",
+                "add_block_errors",
+                "copy_counts",
+                "clear_counter",
+                "raise_level",
+                "weigh_deficits",
+                "weigh_errors",
+            ],
+            beside: None,
             text: texts::weights(self.choice.allocator),
             facts: vec![
                 fact("weights", "sum of the weights", sum),
@@ -163,6 +186,8 @@ impl Round<'_> {
         let last = starts.last().copied().unwrap_or(0);
         Stage {
             name: "Runs",
+            kernels: &["scan_blocks", "run_starts"],
+            beside: None,
             text: texts::RUNS.to_owned(),
             facts: vec![
                 fact("runs", "slots of all runs", last),
@@ -178,6 +203,17 @@ impl Round<'_> {
         let flags = if flags.is_empty() { &whole } else { &flags };
         Stage {
             name: "Streams",
+            kernels: &[
+                "block_errors",
+                "add_block_errors",
+                "paper_begin",
+                "paper_select",
+                "sum_blocks",
+                "scan_blocks",
+                "paper_decide",
+                "scatter_kept",
+            ],
+            beside: None,
             text: texts::STREAMS.to_owned(),
             facts: vec![
                 fact("streams", "streams that were kept", lengths.len()),
@@ -195,6 +231,14 @@ impl Round<'_> {
         let painter = self.painter();
         Stage {
             name: "Slots",
+            kernels: &[
+                "fill_runs",
+                "clear_slots",
+                "paper_append",
+                "reserve_slots",
+                "fill_reserved",
+            ],
+            beside: None,
             text: texts::slots(self.choice.allocator, !seen.errors.is_empty()),
             facts: vec![
                 fact("budget", "budget of the round", self.budget()),
@@ -234,6 +278,8 @@ impl Round<'_> {
         let painter = self.painter();
         Stage {
             name: "Contributions",
+            kernels: &["trace_paths"],
+            beside: None,
             text: texts::CONTRIBUTIONS.to_owned(),
             facts: vec![
                 fact("rays", "rays traced", rays),
@@ -253,6 +299,8 @@ impl Round<'_> {
         let painter = self.painter();
         Stage {
             name: "Film after",
+            kernels: &["accumulate"],
+            beside: None,
             text: texts::FILM_AFTER.to_owned(),
             facts: vec![
                 fact("samples-after", "samples in the film", samples(film)),
