@@ -1,6 +1,6 @@
 // What a person chooses.
 
-import { byId, element, list } from './elements.js';
+import { addFile, byId, element, list } from './elements.js';
 
 const CHOICES = ['width', 'allocator', 'estimator', 'integrator', 'filter', 'samples', 'relative'];
 
@@ -52,6 +52,11 @@ export class Controls {
   setCompiling(kernels) {
     const names = kernels.join(', ');
     byId('compiling').textContent = names ? `The browser compiles ${names}` : '';
+  }
+
+  // A scene of files, which is chosen from now on.
+  addScene(name) {
+    addFile('scene', name).value = name;
   }
 
   computer() {
@@ -114,7 +119,8 @@ export class Controls {
   setScene({ name, triangles, warnings }) {
     const known = this.#scenes.find((scene) => scene.name === this.scene());
     const what = known ? `${known.description}. ` : `${name}. `;
-    const count = `${triangles.toLocaleString('en')} triangles. `;
+    const unit = triangles === 1 ? 'triangle' : 'triangles';
+    const count = `${triangles.toLocaleString('en')} ${unit}. `;
     byId('scene-note').textContent = what + count + warnings.join(' ');
   }
 

@@ -1,6 +1,6 @@
 // The method step by step: the stages of a round, one at a time.
 
-import { byId, element, list } from './elements.js';
+import { addFile, byId, element, list } from './elements.js';
 import { legend, paint } from './picture.js';
 
 const CHOICES = ['scene', 'width', 'allocator', 'estimator', 'budget', 'relative', 'beside'];
@@ -37,6 +37,20 @@ export class Method {
     list('method-estimator', estimators, 'bilateral');
     this.#isKnown = true;
     this.#mayBegin();
+  }
+
+  // A scene of files. If the one that was looked at is gone, another one begins.
+  addScene(name) {
+    const before = byId('method-scene').value;
+    const place = addFile('method-scene', name);
+    if (byId('method').hidden && place.querySelector(`option[value="${CSS.escape(before)}"]`)) {
+      place.value = before;
+      return;
+    }
+    place.value = name;
+    if (this.#number > 0) {
+      this.#begin();
+    }
   }
 
   // What is computed on has changed: all begins anew.

@@ -2,6 +2,7 @@
 
 import { Controls } from './controls.js';
 import { Curve } from './curve.js';
+import { FileDrop } from './files.js';
 import { Hands } from './hands.js';
 import { byId, problem } from './elements.js';
 import { Method } from './method.js';
@@ -39,10 +40,10 @@ function rest() {
   order({ kind: 'rest' });
 }
 
-function open(files) {
+function open() {
   controls.setOpening();
   curve.clear();
-  order({ kind: 'open', scene: controls.scene(), choices: controls.choices(), files });
+  order({ kind: 'open', scene: controls.scene(), choices: controls.choices() });
 }
 
 // What is open is gone with the device.
@@ -94,6 +95,11 @@ const told = {
     open();
     method.setDevice(name);
   },
+  found({ scene }) {
+    controls.addScene(scene);
+    method.addScene(scene);
+    open();
+  },
   compiling({ kernels }) {
     controls.setCompiling(kernels);
   },
@@ -129,7 +135,7 @@ worker.addEventListener('message', ({ data }) => told[data.kind]?.(data));
 worker.addEventListener('error', (event) => problem(event.message || 'the worker has failed'));
 
 controls.onDevice = setDevice;
-controls.onScene = () => open();
+controls.onScene = open;
 controls.onChoice = choose;
 controls.onLayer = show;
 controls.onPause = pause;
@@ -143,5 +149,9 @@ new Hands(byId('picture'), {
   },
   key: (key) => controls.key(key),
 });
+new FileDrop((files) => {
+  problem(null);
+  worker.postMessage({ kind: 'files', files }, files.map(([, buffer]) => buffer));
+}, problem);
 byId('to-render').addEventListener('click', () => view('render'));
 byId('to-method').addEventListener('click', () => view('method'));

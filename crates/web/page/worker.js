@@ -8,7 +8,7 @@ const TURN = 50;
 const INTERVAL = 200;
 
 // What can be asked without an open scene.
-const APART = ['open', 'show', 'pause', 'method', 'round', 'device', 'ask'];
+const APART = ['open', 'show', 'pause', 'method', 'round', 'device', 'files', 'ask'];
 
 const waiting = [];
 let wake = () => {};
@@ -51,13 +51,17 @@ function begin(to) {
 }
 
 const does = {
-  async open({ scene, choices, files, number }) {
+  async open({ scene, choices, number }) {
     isOpen = false;
-    engine.setFiles(files ?? []);
     const facts = await engine.ask({ ask: 'open', scene, choices });
     isOpen = true;
     begin(number);
     postMessage({ kind: 'scene', ...facts });
+  },
+  // Keeps files that were given, in place of those before.
+  async files({ files }) {
+    engine.setFiles(files.map(([name, buffer]) => [name, new Uint8Array(buffer)]));
+    postMessage({ kind: 'found', ...await engine.ask({ ask: 'found' }) });
   },
   // Computes on another device; on the CPU if that is not there.
   async device({ name }) {

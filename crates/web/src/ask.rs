@@ -22,6 +22,8 @@ pub enum Question {
         /// How it is rendered.
         choices: Chosen,
     },
+    /// Which of the files that were given is the scene.
+    Found,
     /// Renders otherwise.
     Choose {
         /// How.

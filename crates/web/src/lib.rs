@@ -15,6 +15,7 @@ pub mod computer;
 pub mod digests;
 #[cfg(target_family = "wasm")]
 mod exports;
+pub mod files;
 #[cfg(target_family = "wasm")]
 mod imports;
 pub mod method;

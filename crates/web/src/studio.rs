@@ -3,6 +3,7 @@
 use crate::ask::{Chosen, DeviceName, MethodChosen, Motion, Question};
 use crate::computer::Computer;
 use crate::digests::digests;
+use crate::files::Files;
 use crate::method::Method;
 use crate::method::beside::Beside;
 use crate::page::Page;
@@ -11,13 +12,12 @@ use raystream::exec::Executor;
 use raystream::exec::cpu::CpuExecutor;
 use raystream::image::Display;
 use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind};
-use raystream::scene::{self, LoadOptions, Scene, SceneGeometry};
+use raystream::scene::{self, LoadOptions, Scene, SceneError, SceneGeometry};
 use raystream_view::inspect::progress;
 use raystream_view::layers::Layer;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 /// The devices, the files that were given, and the page.
@@ -25,7 +25,7 @@ pub struct Studio<D: Driver> {
     driver: Option<D>,
     gpu: Option<WebGpu<D>>,
     computer: Computer<D>,
-    files: BTreeMap<PathBuf, Vec<u8>>,
+    files: Files,
     page: Option<Page<Computer<D>>>,
     method: Option<Method<Computer<D>>>,
     pixels: Vec<u8>,
@@ -41,7 +41,7 @@ impl<D: Driver> Studio<D> {
             driver,
             gpu: None,
             computer: Computer::Cpu(CpuExecutor),
-            files: BTreeMap::new(),
+            files: Files::default(),
             page: None,
             method: None,
             pixels: Vec::new(),
@@ -50,7 +50,7 @@ impl<D: Driver> Studio<D> {
 
     /// Keeps a file, for a scene that is opened later.
     pub fn add_file(&mut self, name: &str, bytes: Vec<u8>) {
-        self.files.insert(PathBuf::from(name), bytes);
+        self.files.add(name, bytes);
     }
 
     /// Forgets all files.
@@ -76,6 +76,7 @@ impl<D: Driver> Studio<D> {
         match question {
             Question::Known => Ok(known(self.computer.name())),
             Question::Open { scene, choices } => self.open(&scene, &choices),
+            Question::Found => Ok(json!({ "scene": self.files.scene()? })),
             Question::Choose { choices } => {
                 let page = self.page()?;
                 let size = choices.size(page.facts().size)?;
@@ -122,15 +123,12 @@ impl<D: Driver> Studio<D> {
         Ok(json!({ "device": self.computer.name() }))
     }
 
-    fn load(&self, name: &str) -> Result<Scene, Box<dyn Error>> {
-        let options = LoadOptions::default();
-        let is_file = self.files.contains_key(Path::new(name));
-        let scene = if is_file {
-            options.load_files(&self.files, Path::new(name))?
-        } else {
-            options.load_named(name)?
-        };
-        Ok(scene)
+    fn load(&mut self, name: &str) -> Result<Scene, SceneError> {
+        let path = Path::new(name);
+        if self.files.has(path) {
+            return self.files.load(path);
+        }
+        LoadOptions::default().load_named(name)
     }
 
     fn open(&mut self, name: &str, chosen: &Chosen) -> Answer {
