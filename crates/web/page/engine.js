@@ -116,6 +116,8 @@ function gpuImports(state, text) {
       failure = encoder.encode(state.gpu.failure() ?? '');
       return failure.length;
     },
-    failure_text: (first) => new Uint8Array(state.memory.buffer, first, failure.length).set(failure),
+    failure_text: (first) => {
+      new Uint8Array(state.memory.buffer, first, failure.length).set(failure);
+    },
   };
 }

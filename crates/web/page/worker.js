@@ -108,7 +108,8 @@ const does = {
   async round({ number }) {
     const told = await engine.ask({ ask: 'round' });
     const sizes = told.stages.flatMap(({ pictures }) => pictures.map(({ size }) => size));
-    const pixels = engine.pixels([sizes.reduce((sum, [width, height]) => sum + width * height, 0), 1]);
+    const count = sizes.reduce((sum, [width, height]) => sum + width * height, 0);
+    const pixels = engine.pixels([count, 1]);
     postMessage({ kind: 'round', number, ...told, pixels }, [pixels.buffer]);
   },
   // Any other question, for an answer.

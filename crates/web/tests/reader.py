@@ -1,7 +1,8 @@
 """Somebody who reads the method on the page, step by step."""
 
 # Of each picture that is shown: its size, and how many colours it has.
-PICTURES = """() => [...document.querySelectorAll('#stage-pictures figure > canvas')].map((canvas) => {
+CANVASES = "#stage-pictures figure > canvas"
+PICTURES = f"() => [...document.querySelectorAll('{CANVASES}')]" + """.map((canvas) => {
   const { width, height } = canvas;
   const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
   const colors = new Set(new Uint32Array(data.buffer)).size;

@@ -44,8 +44,8 @@ def test_exact_stages_are_the_same_bytes_on_gpu_and_cpu(visit):
 
 
 def test_the_gpu_renders_what_the_cpu_renders(visit, address):
-    """The same paths: where a device rounds otherwise few of them go another way. All that is loaded
-    for both is below 5 MB."""
+    """The same paths: where a device rounds otherwise few of them go another way. All that is
+    loaded for both is below 5 MB."""
     page = visit()
     page.tab.locator("#allocator").select_option("uniform")
     page.tab.locator("#samples").select_option("16")

@@ -5,7 +5,8 @@ import pytest
 from reader import Reader, names, numbers
 
 ADAPTIVE = [
-    "Film", "Guides", "Filtered", "Error", "Weights", "Runs", "Slots", "Contributions", "Film after",
+    "Film", "Guides", "Filtered", "Error", "Weights", "Runs", "Slots", "Contributions",
+    "Film after",
 ]
 UNIFORM = ["Film", "Slots", "Contributions", "Film after"]
 

@@ -13,7 +13,8 @@ use std::path::Path;
 /// Where the page's own files are.
 const STATIC: &str = "crates/web/page";
 
-/// Writes the page to `folder`: its own files, the library, and the kernels for GPUs. Returns how many bytes that are.
+/// Writes the page to `folder`: its own files, the library, and the kernels for GPUs. Returns how
+/// many bytes that are.
 ///
 /// # Errors
 /// If a file cannot be read or written.

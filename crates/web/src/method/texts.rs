@@ -70,8 +70,8 @@ pub fn errors(choice: &Choice) -> String {
     };
     let form = match choice.allocator {
         AllocatorKind::Runs => {
-            "The allocator wants it as the deviation of one sample, by the root of its rays: counts \
-             in proportion to that leave the least error that so many rays can."
+            "The allocator wants it as the deviation of one sample, by the root of its rays: \
+             counts in proportion to that leave the least error that so many rays can."
         }
         _ => {
             "The allocator wants of it the part that the round would take away if the pixel got \
@@ -79,7 +79,7 @@ pub fn errors(choice: &Choice) -> String {
         }
     };
     let relative = if choice.relative {
-        "It is relative to the pixel's brightness, so that dark places count as much as bright ones."
+        "It is relative to the pixel's brightness: dark places count as much as bright ones."
     } else {
         "It is absolute: an error in a bright place counts more."
     };
@@ -93,9 +93,10 @@ pub fn errors(choice: &Choice) -> String {
 pub fn weights(allocator: AllocatorKind) -> String {
     match allocator {
         AllocatorKind::Runs => {
-            "There is a number of samples that each pixel deserves by its error, times a level that \
-             is the same for all. A pixel's weight is what it lacks of that. The level is raised \
-             until what all pixels lack is the budget; pixels that have had enough get nothing."
+            "There is a number of samples that each pixel deserves by its error, times a level \
+             that is the same for all. A pixel's weight is what it lacks of that. The level is \
+             raised until what all pixels lack is the budget; pixels that have had enough get \
+             nothing."
         }
         _ => "A pixel's weight is its error, in proportion to the sum of all errors.",
     }
@@ -104,15 +105,16 @@ pub fn weights(allocator: AllocatorKind) -> String {
 
 /// Of the runs.
 pub const RUNS: &str = "The slots of a pixel follow each other: they are its run. The sum of the \
-    weights of all pixels before it, scaled to the budget, says where a run begins. So runs leave no \
-    gaps, their lengths add up to the budget exactly, and all is one prefix sum. A random phase \
+    weights of all pixels before it, scaled to the budget, says where a run begins. So runs leave \
+    no gaps, their lengths add up to the budget exactly, and all is one prefix sum. A random phase \
     decides whether a pixel that is due 2.3 samples gets 2 or 3.";
 
 /// Of the allocator's streams.
 pub const STREAMS: &str = "The round is made of streams. Into each go the pixels whose error \
-    exceeds a random threshold of their own, close together by stream compaction, one slot each: so a \
-    pixel is in as many streams as its error makes likely. The range of the thresholds is found by \
-    bisection: a stream that is too long is dropped, one that fits is kept, until the budget is spent.";
+    exceeds a random threshold of their own, close together by stream compaction, one slot each: \
+    so a pixel is in as many streams as its error makes likely. The range of the thresholds is \
+    found by bisection: a stream that is too long is dropped, one that fits is kept, until the \
+    budget is spent.";
 
 /// Of the slots.
 pub fn slots(allocator: AllocatorKind, is_adaptive: bool) -> String {
@@ -144,6 +146,6 @@ pub const CONTRIBUTIONS: &str = "For each slot a path is traced from the camera 
     know how paths are traced, nor does what traces them know why these pixels were chosen.";
 
 /// Of the film after the round.
-pub const FILM_AFTER: &str = "Each contribution is added to the sums of its pixel. Sums are integers \
-    of 128 bits, so it does not matter who adds what first: film before and contributions give the \
-    film after to the last bit. The next round looks at this film.";
+pub const FILM_AFTER: &str = "Each contribution is added to the sums of its pixel. Sums are \
+    integers of 128 bits, so it does not matter who adds what first: film before and contributions \
+    give the film after to the last bit. The next round looks at this film.";
