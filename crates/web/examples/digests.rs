@@ -2,11 +2,11 @@
 //! answered: to be compared with a browser's answer. Its argument is the name of a scene that
 //! ships.
 
-use raystream::exec::cpu::CpuExecutor;
 use raystream_web::studio::Studio;
+use raystream_web::webgpu::NoGpu;
 
 fn main() {
     let scene = std::env::args().nth(1).unwrap_or_else(|| "cornell_ball".to_owned());
     let question = serde_json::json!({ "ask": "digests", "scene": scene });
-    println!("{}", Studio::new(CpuExecutor).answer(&question.to_string()));
+    println!("{}", Studio::new(None::<NoGpu>).answer(&question.to_string()));
 }

@@ -1,6 +1,6 @@
 // What a person chooses.
 
-import { byId, element } from './elements.js';
+import { addFile, byId, element, list } from './elements.js';
 
 const CHOICES = ['width', 'allocator', 'estimator', 'integrator', 'filter', 'samples', 'relative'];
 
@@ -8,6 +8,7 @@ export class Controls {
   #scenes = [];
   #layer = 'Beauty';
   #isPaused = false;
+  onDevice = () => {};
   onScene = () => {};
   onChoice = () => {};
   onLayer = () => {};
@@ -16,6 +17,7 @@ export class Controls {
   onSave = () => {};
 
   constructor() {
+    byId('computer').addEventListener('change', () => this.onDevice());
     byId('scene').addEventListener('change', () => this.onScene());
     for (const id of CHOICES) {
       byId(id).addEventListener('change', () => this.onChoice());
@@ -30,10 +32,6 @@ export class Controls {
   // Fills the lists with what there is.
   fill({ scenes, allocators, estimators, integrators, filters, layers, device }) {
     this.#scenes = scenes;
-    const list = (id, names, chosen) => {
-      const option = (name) => new Option(name, name, false, name === chosen);
-      byId(id).replaceChildren(...names.map(option));
-    };
     list('scene', scenes.map(({ name }) => name));
     list('allocator', allocators, 'runs');
     list('estimator', estimators, 'bilateral');
@@ -47,7 +45,31 @@ export class Controls {
       return button;
     }));
     this.#press();
-    byId('device').textContent = `Rendered by ${device}, in WebAssembly.`;
+    this.setDevice('cpu', device, null);
+  }
+
+  // Says which kernels the browser compiles.
+  setCompiling(kernels) {
+    const names = kernels.join(', ');
+    byId('compiling').textContent = names ? `The browser compiles ${names}` : '';
+  }
+
+  // A scene of files, which is chosen from now on.
+  addScene(name) {
+    addFile('scene', name).value = name;
+  }
+
+  computer() {
+    return byId('computer').value;
+  }
+
+  // Says what renders, and why it is not what was chosen.
+  setDevice(name, device, why) {
+    byId('computer').value = name;
+    const by = name === 'cpu' ? `${device}, in WebAssembly` : device;
+    const reason = why ? ` There is no GPU: ${why}.` : '';
+    byId('device').textContent = `Rendered by ${by}.${reason}`;
+    document.documentElement.dataset.device = name;
   }
 
   scene() {
@@ -56,6 +78,10 @@ export class Controls {
 
   layer() {
     return this.#layer;
+  }
+
+  isPaused() {
+    return this.#isPaused;
   }
 
   exposure() {
@@ -93,7 +119,8 @@ export class Controls {
   setScene({ name, triangles, warnings }) {
     const known = this.#scenes.find((scene) => scene.name === this.scene());
     const what = known ? `${known.description}. ` : `${name}. `;
-    const count = `${triangles.toLocaleString('en')} triangles. `;
+    const unit = triangles === 1 ? 'triangle' : 'triangles';
+    const count = `${triangles.toLocaleString('en')} ${unit}. `;
     byId('scene-note').textContent = what + count + warnings.join(' ');
   }
 
@@ -115,7 +142,7 @@ export class Controls {
   #pause() {
     this.#isPaused = !this.#isPaused;
     byId('pause').textContent = this.#isPaused ? 'Go on' : 'Pause';
-    this.onPause(this.#isPaused);
+    this.onPause();
   }
 
   #press() {

@@ -22,6 +22,22 @@ export function drawn(name, attributes = {}, ...children) {
   return made;
 }
 
+// Fills a list with names, one of which is chosen.
+export function list(id, names, chosen) {
+  const option = (name) => new Option(name, name, name === chosen, name === chosen);
+  byId(id).replaceChildren(...names.map(option));
+}
+
+// Adds a file's scene to a list in place of another one's.
+export function addFile(id, name) {
+  const place = byId(id);
+  place.querySelector('[data-file]')?.remove();
+  const option = new Option(name, name);
+  option.dataset.file = '';
+  place.prepend(option);
+  return place;
+}
+
 // Says what is wrong; null for nothing.
 export function problem(message) {
   const place = byId('problem');

@@ -1,18 +1,25 @@
 // The library, as WebAssembly: questions and answers as objects.
 
+import { Gpu, missing } from './gpu.js';
+
 const decoder = new TextDecoder();
 const encoder = new TextEncoder();
 
 export class Engine {
   #exports;
+  #ask;
+  #state;
 
-  constructor(exports) {
+  constructor(exports, state) {
     this.#exports = exports;
+    this.#state = state;
+    // Where WebAssembly cannot wait, no GPU is opened, and nothing waits.
+    this.#ask = missing() ? exports.ask : WebAssembly.promising(exports.ask);
   }
 
   // Loads the library from an address, where it is as gzip.
   static async load(address) {
-    const state = { memory: null };
+    const state = { memory: null, gpu: null };
     const text = (first, bytes) =>
       decoder.decode(new Uint8Array(state.memory.buffer, first, bytes));
     const imports = {
@@ -25,6 +32,7 @@ export class Engine {
           throw new Error(`a part of the program has failed: ${text(first, bytes)}`);
         },
       },
+      raystream_gpu: gpuImports(state, text),
     };
     const file = await fetch(address);
     if (!file.ok) {
@@ -34,7 +42,7 @@ export class Engine {
     const response = new Response(module, { headers: { 'Content-Type': 'application/wasm' } });
     const { instance } = await WebAssembly.instantiateStreaming(response, imports);
     state.memory = instance.exports.memory;
-    return new Engine(instance.exports);
+    return new Engine(instance.exports, state);
   }
 
   #bytes(first, length) {
@@ -54,12 +62,26 @@ export class Engine {
   // The answer to a question; an error where that is one.
   async ask(question) {
     this.#put(encoder.encode(JSON.stringify(question)));
-    const length = await this.#exports.ask();
+    const length = await this.#ask();
     const answer = JSON.parse(decoder.decode(this.#bytes(this.#exports.answer_first(), length)));
     if (answer !== null && typeof answer.error === 'string') {
       throw new Error(answer.error);
     }
     return answer;
+  }
+
+  // Opens the browser's GPU, if that has not been done; `kernels` is the address of what it runs.
+  // `onCompile` is told which kernels the browser compiles.
+  async openGpu(kernels, onCompile) {
+    const reason = missing();
+    if (reason) {
+      throw new Error(reason);
+    }
+    if (!this.#state.gpu || this.#state.gpu.isLost()) {
+      this.#state.gpu = await Gpu.open(() => this.#exports.memory.buffer, kernels);
+      this.#state.gpu.onCompile = onCompile;
+      await this.ask({ ask: 'gpu', ...this.#state.gpu.facts() });
+    }
   }
 
   // A copy of the pixels that were painted last, four bytes each.
@@ -78,4 +100,24 @@ export class Engine {
       this.#exports.add_file(encoded.length);
     }
   }
+}
+
+// What the library imports for a GPU. What returns a promise has the library wait for it.
+function gpuImports(state, text) {
+  const waiting = (call) => (missing() ? call : new WebAssembly.Suspending(call));
+  let failure = new Uint8Array();
+  return {
+    allocate: waiting((bytes) => state.gpu.allocate(bytes)),
+    free: (buffer) => state.gpu.free(buffer),
+    write: (...which) => state.gpu.write(...which),
+    read: waiting((...which) => state.gpu.read(...which)),
+    run: waiting((first, bytes, ...parameters) => state.gpu.run(text(first, bytes), parameters)),
+    failure: () => {
+      failure = encoder.encode(state.gpu.failure() ?? '');
+      return failure.length;
+    },
+    failure_text: (first) => {
+      new Uint8Array(state.memory.buffer, first, failure.length).set(failure);
+    },
+  };
 }

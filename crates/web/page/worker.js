@@ -7,6 +7,9 @@ const TURN = 50;
 // Milliseconds between two pictures; the first come sooner.
 const INTERVAL = 200;
 
+// What can be asked without an open scene.
+const APART = ['open', 'show', 'pause', 'method', 'round', 'device', 'files', 'ask'];
+
 const waiting = [];
 let wake = () => {};
 let engine;
@@ -48,13 +51,32 @@ function begin(to) {
 }
 
 const does = {
-  async open({ scene, choices, files, number }) {
+  async open({ scene, choices, number }) {
     isOpen = false;
-    engine.setFiles(files ?? []);
     const facts = await engine.ask({ ask: 'open', scene, choices });
     isOpen = true;
     begin(number);
     postMessage({ kind: 'scene', ...facts });
+  },
+  // Keeps files that were given, in place of those before.
+  async files({ files }) {
+    engine.setFiles(files.map(([name, buffer]) => [name, new Uint8Array(buffer)]));
+    postMessage({ kind: 'found', ...await engine.ask({ ask: 'found' }) });
+  },
+  // Computes on another device; on the CPU if that is not there.
+  async device({ name }) {
+    isOpen = false;
+    let why = null;
+    if (name === 'webgpu') {
+      try {
+        const onCompile = (kernels) => postMessage({ kind: 'compiling', kernels });
+        await engine.openGpu('kernels.json.gz', onCompile);
+      } catch (error) {
+        [name, why] = ['cpu', error.message];
+      }
+    }
+    const { device } = await engine.ask({ ask: 'device', name });
+    postMessage({ kind: 'device', name, device, why });
   },
   async choose({ choices, number }) {
     await engine.ask({ ask: 'choose', choices });
@@ -79,6 +101,16 @@ const does = {
   },
   async inspect({ x, y }) {
     postMessage({ kind: 'pixel', rows: await engine.ask({ ask: 'inspect', x, y }) });
+  },
+  async method({ scene, choices }) {
+    await engine.ask({ ask: 'method', scene, choices });
+  },
+  async round({ number }) {
+    const told = await engine.ask({ ask: 'round' });
+    const sizes = told.stages.flatMap(({ pictures }) => pictures.map(({ size }) => size));
+    const count = sizes.reduce((sum, [width, height]) => sum + width * height, 0);
+    const pixels = engine.pixels([count, 1]);
+    postMessage({ kind: 'round', number, ...told, pixels }, [pixels.buffer]);
   },
   // Any other question, for an answer.
   async ask({ question, id }) {
@@ -113,7 +145,7 @@ async function render() {
 async function turn() {
   if (waiting.length > 0) {
     const message = joined(waiting.shift());
-    if (isOpen || ['open', 'show', 'pause', 'ask'].includes(message.kind)) {
+    if (isOpen || APART.includes(message.kind)) {
       await does[message.kind](message);
     }
   } else if (isOpen && hasMore && !isPaused) {

@@ -1,6 +1,8 @@
 //! What the page asks and is answered, as JSON: a question is an object whose key `ask` says which
 //! it is, an answer an object of its own for each, or `{"error": "..."}`.
 
+use crate::method::Choice;
+use crate::webgpu::Facts;
 use raystream::names::UnknownName;
 use raystream::scene::FilmSize;
 use raystream_view::choices::{Choices, Stops};
@@ -20,6 +22,8 @@ pub enum Question {
         /// How it is rendered.
         choices: Chosen,
     },
+    /// Which of the files that were given is the scene.
+    Found,
     /// Renders otherwise.
     Choose {
         /// How.
@@ -49,11 +53,37 @@ pub enum Question {
         /// From the top.
         y: u32,
     },
+    /// Begins a render whose rounds are looked at, beside the page's.
+    Method {
+        /// The scene, as in [`Question::Open`].
+        scene: String,
+        /// How it is rendered.
+        choices: MethodChosen,
+    },
+    /// Renders a round of it, and shows its stages.
+    Round,
+    /// Makes known a GPU that the page has opened.
+    Gpu(Facts),
+    /// Computes on another device from now on. What is open is closed.
+    Device {
+        /// Which.
+        name: DeviceName,
+    },
     /// What kernels compute in small renders, as digests.
     Digests {
         /// The scene, one that ships.
         scene: String,
     },
+}
+
+/// What there is to compute on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DeviceName {
+    /// The CPU, by WebAssembly.
+    Cpu,
+    /// The GPU that was made known, by WebGPU.
+    WebGpu,
 }
 
 /// A movement of the camera; those left out do nothing.
@@ -121,16 +151,67 @@ impl Chosen {
     /// # Errors
     /// If a side is 0 or longer than [`LARGEST_SIDE`].
     pub fn size(&self, whole: FilmSize) -> Result<FilmSize, String> {
-        let width = self.width.unwrap_or(whole.width);
-        let shape = f64::from(whole.height) / f64::from(whole.width);
-        let height = (f64::from(width) * shape).round().max(1.0) as u32;
-        if [width, height].iter().any(|side| !(1..=LARGEST_SIDE).contains(side)) {
+        in_shape(self.width.unwrap_or(whole.width), whole, LARGEST_SIDE)
+    }
+}
+
+/// What a reader chooses of a render whose rounds are looked at, by names.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MethodChosen {
+    /// Width of the picture in pixels, whose shape is the scene's.
+    pub width: u32,
+    /// Who decides which pixels are sampled.
+    pub allocator: String,
+    /// What the error of a pixel is taken to be.
+    pub estimator: String,
+    /// Whether dark places count as much as bright ones.
+    pub relative: bool,
+    /// Samples of a round, on average over the pixels.
+    pub budget: f32,
+    /// Whether the CPU does beside a GPU what that does, to be compared.
+    #[serde(default)]
+    pub beside: bool,
+}
+
+/// Pixels of a side at most where rounds are looked at: all that kernels write is kept.
+pub const LARGEST_SHOWN_SIDE: u32 = 512;
+/// [`MethodChosen::budget`] at most: 2^22 slots fit a stream.
+pub const LARGEST_BUDGET: f32 = 16.0;
+
+impl MethodChosen {
+    /// The choice that these names mean, for a scene whose picture would be `whole` by itself.
+    ///
+    /// # Errors
+    /// What is no name, size or budget.
+    pub fn choice(&self, whole: FilmSize) -> Result<Choice, String> {
+        if !(self.budget > 0.0 && self.budget <= LARGEST_BUDGET) {
+            let budget = self.budget;
             return Err(format!(
-                "a picture of {width} x {height} pixels: sides are 1 to {LARGEST_SIDE} here"
+                "a budget of {budget} samples a pixel: above 0, at most {LARGEST_BUDGET}"
             ));
         }
-        Ok(FilmSize { width, height })
+        Ok(Choice {
+            size: in_shape(self.width, whole, LARGEST_SHOWN_SIDE)?,
+            allocator: named(&self.allocator).map_err(|error| error.to_string())?,
+            estimator: named(&self.estimator).map_err(|error| error.to_string())?,
+            relative: self.relative,
+            budget: self.budget,
+            seed: 0,
+        })
     }
+}
+
+/// A size of this width in the shape of `whole`.
+fn in_shape(width: u32, whole: FilmSize, largest: u32) -> Result<FilmSize, String> {
+    let shape = f64::from(whole.height) / f64::from(whole.width);
+    let height = (f64::from(width) * shape).round().max(1.0) as u32;
+    if [width, height].iter().any(|side| !(1..=largest).contains(side)) {
+        return Err(format!(
+            "a picture of {width} x {height} pixels: sides are 1 to {largest} here"
+        ));
+    }
+    Ok(FilmSize { width, height })
 }
 
 fn named<T: FromStr<Err = UnknownName>>(name: &str) -> Result<T, UnknownName> {
@@ -174,6 +255,29 @@ mod tests {
         }
         let tall = Chosen { width: Some(LARGEST_SIDE), ..chosen(TEXT) };
         assert!(tall.size(FilmSize { width: 1, height: 2 }).is_err());
+    }
+
+    #[test]
+    fn a_choice_of_the_method_is_what_is_named_or_an_error() {
+        let chosen = MethodChosen {
+            width: 40,
+            allocator: "paper".to_owned(),
+            estimator: "halves".to_owned(),
+            relative: true,
+            budget: 0.5,
+            beside: false,
+        };
+        let whole = FilmSize { width: 80, height: 60 };
+        let choice = chosen.choice(whole).unwrap();
+        assert_eq!(choice.size, FilmSize { width: 40, height: 30 });
+        assert_eq!((choice.allocator, choice.budget), (AllocatorKind::Paper, 0.5));
+        for budget in [0.0, -1.0, 17.0, f32::NAN, f32::INFINITY] {
+            let wrong = MethodChosen { budget, ..chosen.clone() };
+            assert!(wrong.choice(whole).unwrap_err().contains("budget"), "{budget}");
+        }
+        let wrong = MethodChosen { estimator: "guess".to_owned(), ..chosen.clone() };
+        assert!(wrong.choice(whole).unwrap_err().contains("'guess'"));
+        assert!(MethodChosen { width: 513, ..chosen }.choice(whole).unwrap_err().contains("512"));
     }
 
     #[test]

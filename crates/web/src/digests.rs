@@ -1,8 +1,8 @@
 //! What a device computes in a render's rounds, kernel by kernel, as digests: two devices with the
 //! same ones have the same bytes.
 
-use crate::recording::{Recording, Step};
-use raystream::exec::{Executor, UNORDERED};
+use crate::recording::{Keep, Recording, Step};
+use raystream::exec::{Executor, Kernel, SceneBuffers, UNORDERED};
 use raystream::film_file::scene_digest;
 use raystream::render::{AllocatorKind, Estimator};
 use raystream::render::{
@@ -34,21 +34,25 @@ pub struct Digests {
     /// system its last bits may differ: only of scenes with the same digest do all devices compute
     /// the same.
     pub scene: String,
+    /// What of that is in which buffer: the name of each and its SHA-256.
+    pub prepared: Vec<(&'static str, String)>,
     /// What was written, in the order of the launches.
     pub written: Vec<Digest>,
 }
 
-/// Rounds of each render: two without looking at errors, and then adaptive ones.
+/// Rounds of each render, of a sample a pixel: one without looking at errors, and then adaptive
+/// ones. They are so short that no device is slow enough to cut them: launches must not depend on
+/// time.
 const ROUNDS: usize = 4;
 
-/// The digests of small renders of `scene`: of the integrators and allocators that share no kernels,
-/// all that each kernel wrote.
+/// The digests of small renders of `scene`: of the integrators and allocators that share no
+/// kernels, all that each kernel wrote.
 ///
 /// # Errors
 /// If the scene cannot be rendered, or the device fails.
 pub fn digests<E: Executor>(executor: &E, scene: &Scene) -> Result<Digests, RenderError> {
     use IntegratorKind::{Compaction, Lvc, Megakernel, Regeneration, Streaming};
-    let mut all = Vec::new();
+    let (mut all, mut prepared) = (Vec::new(), Vec::new());
     let scene_with = PreparedScene::new(scene, BvhQuality::Fast)?;
     for (integrator, allocator, estimator) in [
         (Megakernel, AllocatorKind::Runs, Estimator::Bilateral),
@@ -59,18 +63,36 @@ pub fn digests<E: Executor>(executor: &E, scene: &Scene) -> Result<Digests, Rend
     ] {
         let settings = Settings {
             size: FilmSize { width: 20, height: 12 },
-            sampling: Sampling { allocator, estimator, ..Sampling::default() },
+            sampling: Sampling { allocator, estimator, initial_samples: 1, ..Sampling::default() },
             integrator,
             stream_slots: Some(1024),
             ..Settings::for_scene(scene)
         };
         let render = format!("{integrator}, {allocator}, {estimator}");
-        let recording = Recording::new(executor);
-        render_rounds(&recording, &scene_with, &settings)?;
+        let recording = Recording::new(executor, keep);
+        render_rounds(recording.clone(), &scene_with, &settings)?;
         let steps = recording.take();
+        if let Some(first) = steps.iter().find(|step| step.kernel.name == FIRST_HITS) {
+            prepared = buffers_of_scene(first);
+        }
         all.extend((1..).zip(&steps).flat_map(|(launch, step)| of_step(&render, launch, step)));
     }
-    Ok(Digests { scene: scene_digest(&scene_with), written: all })
+    Ok(Digests { scene: scene_digest(&scene_with), prepared, written: all })
+}
+
+/// A kernel that is given all of a scene, in few launches.
+const FIRST_HITS: &str = "first_hits";
+
+fn keep(kernel: &Kernel) -> Keep {
+    if kernel.name == FIRST_HITS { Keep::All } else { Keep::Written }
+}
+
+/// The digests of what a launch was given of its scene.
+fn buffers_of_scene(step: &Step) -> Vec<(&'static str, String)> {
+    let names = SceneBuffers::<()>::NAMES;
+    let buffers = step.given.iter().filter(|bound| names.contains(&bound.name));
+    let parameters = ("parameters", hexadecimal(&step.parameters));
+    buffers.map(|bound| (bound.name, hexadecimal(&bound.bytes))).chain([parameters]).collect()
 }
 
 fn render_rounds<E: Executor>(
@@ -80,7 +102,7 @@ fn render_rounds<E: Executor>(
 ) -> Result<(), RenderError> {
     let mut renderer = Renderer::new(executor, scene, settings)?;
     for _ in 0..ROUNDS {
-        renderer.step(u64::from(renderer.pixels()) * 4)?;
+        renderer.step(u64::from(renderer.pixels()))?;
     }
     renderer.film()?;
     Ok(())
@@ -98,6 +120,11 @@ fn of_step<'s>(
         kernel: name,
         launch,
         binding: written.name,
-        sha256: Sha256::digest(&written.bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+        sha256: hexadecimal(&written.bytes),
     })
+}
+
+/// SHA-256 in hexadecimal.
+fn hexadecimal(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

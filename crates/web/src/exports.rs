@@ -2,14 +2,13 @@
 //! JavaScript [reserves](reserve) it and fills it before a call, and reads the
 //! [answer](answer_first) after one.
 
-use crate::imports::report_panics;
+use crate::imports::{Browser, report_panics};
 use crate::studio::Studio;
-use raystream::exec::cpu::CpuExecutor;
 use std::cell::RefCell;
 
 #[derive(Default)]
 struct State {
-    studio: Option<Studio<CpuExecutor>>,
+    studio: Option<Studio<Browser>>,
     input: Vec<u8>,
     answer: String,
 }
@@ -18,11 +17,11 @@ thread_local! {
     static STATE: RefCell<State> = RefCell::default();
 }
 
-fn with<T>(change: impl FnOnce(&mut State, &mut Studio<CpuExecutor>) -> T) -> T {
+fn with<T>(change: impl FnOnce(&mut State, &mut Studio<Browser>) -> T) -> T {
     STATE.with_borrow_mut(|state| {
         let mut studio = state.studio.take().unwrap_or_else(|| {
             report_panics();
-            Studio::new(CpuExecutor)
+            Studio::new(Some(Browser))
         });
         let done = change(state, &mut studio);
         state.studio = Some(studio);
@@ -39,7 +38,8 @@ extern "C" fn reserve(bytes: usize) -> *mut u8 {
     })
 }
 
-/// Answers the question in the input. Returns how many bytes the answer has.
+/// Answers the question in the input. Returns how many bytes the answer has. While the answer waits
+/// for a GPU, nothing else may be called.
 #[unsafe(no_mangle)]
 extern "C" fn ask() -> usize {
     with(|state, studio| {

@@ -13,6 +13,7 @@ use raystream_view::news::Status;
 use raystream_view::pace::MovingSize;
 use raystream_view::side::{Shot, Side};
 use raystream_view::stage::{SceneFacts, Stage, StageError};
+use serde::Serialize;
 use std::time::Duration;
 
 /// A scene on the page, and its render.
@@ -35,11 +36,13 @@ pub struct Page<E: Executor + Clone> {
 /// What ends a picture of a moving camera: one sample of each pixel, since it will move on.
 const MOVING: Stops = Stops { samples: Some(1), time: None, noise: None };
 
-/// A layer as a screen shows it.
+/// A picture as a screen shows it.
+#[derive(Serialize)]
 pub struct Painted {
     /// Sides of the picture in pixels; while the camera moves, smaller ones.
     pub size: [u32; 2],
     /// Red, green, blue and 255 of each pixel, row by row from the top.
+    #[serde(skip)]
     pub rgba: Vec<u8>,
     /// What is shown, in a sentence.
     pub title: &'static str,

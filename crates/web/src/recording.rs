@@ -1,15 +1,30 @@
-//! An executor that keeps what kernels write.
+//! An executor that keeps what kernels read and write.
 
+use bytemuck::Pod;
 use raystream::exec::{ExecError, Executor, Kernel, Launch, Limits};
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Another executor, which runs one launch after the other; all that each has written is read back.
-/// It is for small pictures.
-pub struct Recording<E> {
-    inner: E,
+/// Another executor, which runs one launch after the other; what launches have written is read
+/// back. It is for small pictures. A clone is the same recording.
+pub struct Recording<E>(Arc<Inner<E>>);
+
+struct Inner<E> {
+    executor: E,
+    keep: fn(&Kernel) -> Keep,
     steps: Mutex<Vec<Step>>,
+}
+
+/// What is kept of a launch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// Nothing.
+    Nothing,
+    /// What it has written.
+    Written,
+    /// That, and all that it was given.
+    All,
 }
 
 /// A launch that has run.
@@ -17,43 +32,82 @@ pub struct Recording<E> {
 pub struct Step {
     /// What was run.
     pub kernel: &'static Kernel,
+    /// Its parameters.
+    pub parameters: Vec<u8>,
+    /// What its bindings held before it, in their order, where that is kept.
+    pub given: Vec<Bound>,
     /// What its bindings hold that it may have written, in their order.
-    pub written: Vec<Written>,
+    pub written: Vec<Bound>,
 }
 
-/// A binding after a launch.
+/// A binding before or after a launch.
 #[derive(Clone, Debug)]
-pub struct Written {
+pub struct Bound {
     /// What it is called in the kernel's table.
     pub name: &'static str,
     /// All of it.
     pub bytes: Vec<u8>,
 }
 
+impl Bound {
+    /// Its bytes as what they are elements of.
+    pub fn elements<T: Pod>(&self) -> Vec<T> {
+        bytemuck::pod_collect_to_vec(&self.bytes)
+    }
+}
+
+impl<E> Clone for Recording<E> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
 impl<E: Executor> Recording<E> {
-    /// Nothing has been recorded yet.
-    pub fn new(inner: E) -> Self {
-        Self { inner, steps: Mutex::default() }
+    /// Nothing has been recorded yet. `keep` says what is kept of the launches of a kernel.
+    pub fn new(executor: E, keep: fn(&Kernel) -> Keep) -> Self {
+        Self(Arc::new(Inner { executor, keep, steps: Mutex::default() }))
     }
 
-    /// The launches since this was last called, in their order.
+    /// Who runs the launches.
+    pub fn executor(&self) -> &E {
+        &self.0.executor
+    }
+
+    /// The launches since this was last called of which something is kept, in their order.
     pub fn take(&self) -> Vec<Step> {
-        std::mem::take(&mut *self.steps.lock().unwrap_or_else(PoisonError::into_inner))
+        std::mem::take(&mut *self.0.steps.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn run_one(&self, launch: &Launch<'_, E::Buffer>) -> Result<Duration, ExecError> {
-        let time = self.inner.run_parts(&[std::slice::from_ref(launch)])?.into_iter().sum();
         let kernel = launch.kernel();
-        let storage = kernel.bindings[1..].iter().zip(launch.views());
-        let mut written = Vec::new();
-        for (binding, view) in storage.filter(|(binding, _)| binding.access.writes()) {
-            let mut bytes = vec![0; view.bytes() as usize];
-            self.inner.read(view.buffer(), view.first_byte(), &mut bytes)?;
-            written.push(Written { name: binding.name, bytes });
+        let keep = (self.0.keep)(kernel);
+        let given = if keep == Keep::All { self.bound(launch, |_| true)? } else { Vec::new() };
+        let run = self.executor().run_parts(&[std::slice::from_ref(launch)])?;
+        let time = run.into_iter().sum();
+        if keep == Keep::Nothing {
+            return Ok(time);
         }
-        let mut steps = self.steps.lock().unwrap_or_else(PoisonError::into_inner);
-        steps.push(Step { kernel, written });
+        let written = self.bound(launch, |writes| writes)?;
+        let parameters = launch.parameters().to_vec();
+        let step = Step { kernel, parameters, given, written };
+        self.0.steps.lock().unwrap_or_else(PoisonError::into_inner).push(step);
         Ok(time)
+    }
+
+    /// What the bindings hold that are `wanted`, by whether the launch writes to them.
+    fn bound(
+        &self,
+        launch: &Launch<'_, E::Buffer>,
+        wanted: fn(bool) -> bool,
+    ) -> Result<Vec<Bound>, ExecError> {
+        let storage = launch.kernel().bindings[1..].iter().zip(launch.views());
+        let storage = storage.filter(|(binding, _)| wanted(binding.access.writes()));
+        let read = storage.map(|(binding, view)| {
+            let mut bytes = vec![0; view.bytes() as usize];
+            self.executor().read(view.buffer(), view.first_byte(), &mut bytes)?;
+            Ok(Bound { name: binding.name, bytes })
+        });
+        read.collect()
     }
 }
 
@@ -61,31 +115,31 @@ impl<E: Executor> Executor for Recording<E> {
     type Buffer = E::Buffer;
 
     fn limits(&self) -> Limits {
-        self.inner.limits()
+        self.executor().limits()
     }
 
     fn name(&self) -> &str {
-        self.inner.name()
+        self.executor().name()
     }
 
     fn prepare(&self, abilities: u32) -> Result<(), ExecError> {
-        self.inner.prepare(abilities)
+        self.executor().prepare(abilities)
     }
 
     fn runs_in_step(&self) -> bool {
-        self.inner.runs_in_step()
+        self.executor().runs_in_step()
     }
 
     fn simd(&self) -> Option<Simd> {
-        self.inner.simd()
+        self.executor().simd()
     }
 
     fn allocate(&self, label: &'static str, bytes: u64) -> Result<Self::Buffer, ExecError> {
-        self.inner.allocate(label, bytes)
+        self.executor().allocate(label, bytes)
     }
 
     fn write(&self, buffer: &Self::Buffer, first_byte: u64, bytes: &[u8]) -> Result<(), ExecError> {
-        self.inner.write(buffer, first_byte, bytes)
+        self.executor().write(buffer, first_byte, bytes)
     }
 
     fn read(
@@ -94,7 +148,7 @@ impl<E: Executor> Executor for Recording<E> {
         first_byte: u64,
         bytes: &mut [u8],
     ) -> Result<(), ExecError> {
-        self.inner.read(buffer, first_byte, bytes)
+        self.executor().read(buffer, first_byte, bytes)
     }
 
     fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {

@@ -1,39 +1,56 @@
 //! Who answers the page's questions.
 
-use crate::ask::{Chosen, Motion, Question};
+use crate::ask::{Chosen, DeviceName, MethodChosen, Motion, Question};
+use crate::computer::Computer;
 use crate::digests::digests;
+use crate::files::Files;
+use crate::method::Method;
+use crate::method::beside::Beside;
 use crate::page::Page;
+use crate::webgpu::{Driver, WebGpu};
 use raystream::exec::Executor;
+use raystream::exec::cpu::CpuExecutor;
 use raystream::image::Display;
 use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind};
-use raystream::scene::{self, LoadOptions, Scene, SceneGeometry};
+use raystream::scene::{self, LoadOptions, Scene, SceneError, SceneGeometry};
 use raystream_view::inspect::progress;
 use raystream_view::layers::Layer;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
-/// The device, the files that were given, and the page.
-pub struct Studio<E: Executor + Clone> {
-    executor: E,
-    files: BTreeMap<PathBuf, Vec<u8>>,
-    page: Option<Page<E>>,
+/// The devices, the files that were given, and the page.
+pub struct Studio<D: Driver> {
+    driver: Option<D>,
+    gpu: Option<WebGpu<D>>,
+    computer: Computer<D>,
+    files: Files,
+    page: Option<Page<Computer<D>>>,
+    method: Option<Method<Computer<D>>>,
     pixels: Vec<u8>,
 }
 
 type Answer = Result<Value, Box<dyn Error>>;
 
-impl<E: Executor + Clone> Studio<E> {
-    /// An empty page.
-    pub fn new(executor: E) -> Self {
-        Self { executor, files: BTreeMap::new(), page: None, pixels: Vec::new() }
+impl<D: Driver> Studio<D> {
+    /// An empty page that computes on the CPU. A browser's GPU is made known later, which `driver`
+    /// then drives.
+    pub fn new(driver: Option<D>) -> Self {
+        Self {
+            driver,
+            gpu: None,
+            computer: Computer::Cpu(CpuExecutor),
+            files: Files::default(),
+            page: None,
+            method: None,
+            pixels: Vec::new(),
+        }
     }
 
     /// Keeps a file, for a scene that is opened later.
     pub fn add_file(&mut self, name: &str, bytes: Vec<u8>) {
-        self.files.insert(PathBuf::from(name), bytes);
+        self.files.add(name, bytes);
     }
 
     /// Forgets all files.
@@ -41,7 +58,8 @@ impl<E: Executor + Clone> Studio<E> {
         self.files.clear();
     }
 
-    /// The pixels that were painted last: red, green, blue and 255 of each.
+    /// The pixels that were painted last, of one picture after the other: red, green, blue and 255
+    /// of each.
     pub fn pixels(&self) -> &[u8] {
         &self.pixels
     }
@@ -56,8 +74,9 @@ impl<E: Executor + Clone> Studio<E> {
 
     fn answer_to(&mut self, question: Question) -> Answer {
         match question {
-            Question::Known => Ok(known(self.executor.name())),
+            Question::Known => Ok(known(self.computer.name())),
             Question::Open { scene, choices } => self.open(&scene, &choices),
+            Question::Found => Ok(json!({ "scene": self.files.scene()? })),
             Question::Choose { choices } => {
                 let page = self.page()?;
                 let size = choices.size(page.facts().size)?;
@@ -76,32 +95,46 @@ impl<E: Executor + Clone> Studio<E> {
             }
             Question::Paint { layer, exposure } => self.paint(&layer, exposure),
             Question::Inspect { x, y } => Ok(json!(self.page()?.inspect([x, y]))),
+            Question::Method { scene, choices } => self.open_method(&scene, &choices),
+            Question::Round => self.round(),
+            Question::Gpu(facts) => {
+                let driver = self.driver.clone().ok_or("there is no browser")?;
+                self.gpu = Some(WebGpu::new(driver, facts));
+                Ok(json!({}))
+            }
+            Question::Device { name } => self.compute_on(name),
             Question::Digests { scene } => {
                 let scene = LoadOptions::default().load_named(&scene)?;
-                Ok(json!(digests(&self.executor, &scene)?))
+                Ok(json!(digests(&self.computer, &scene)?))
             }
         }
     }
 
-    fn page(&mut self) -> Result<&mut Page<E>, &'static str> {
+    fn page(&mut self) -> Result<&mut Page<Computer<D>>, &'static str> {
         self.page.as_mut().ok_or("no scene is open")
     }
 
-    fn load(&self, name: &str) -> Result<Scene, Box<dyn Error>> {
-        let options = LoadOptions::default();
-        let is_file = self.files.contains_key(Path::new(name));
-        let scene = if is_file {
-            options.load_files(&self.files, Path::new(name))?
-        } else {
-            options.load_named(name)?
+    fn compute_on(&mut self, name: DeviceName) -> Answer {
+        let computer = match name {
+            DeviceName::Cpu => Computer::Cpu(CpuExecutor),
+            DeviceName::WebGpu => Computer::Gpu(self.gpu.clone().ok_or("no GPU is open")?),
         };
-        Ok(scene)
+        (self.page, self.method, self.computer) = (None, None, computer);
+        Ok(json!({ "device": self.computer.name() }))
+    }
+
+    fn load(&mut self, name: &str) -> Result<Scene, SceneError> {
+        let path = Path::new(name);
+        if self.files.has(path) {
+            return self.files.load(path);
+        }
+        LoadOptions::default().load_named(name)
     }
 
     fn open(&mut self, name: &str, chosen: &Chosen) -> Answer {
         let scene = self.load(name)?;
         let (size, choices) = (chosen.size(scene.film)?, chosen.choices()?);
-        let page = Page::new(self.executor.clone(), &scene, size, choices, chosen.stops())?;
+        let page = Page::new(self.computer.clone(), &scene, size, choices, chosen.stops())?;
         let facts = page.facts();
         let answer = json!({
             "name": facts.name,
@@ -111,6 +144,33 @@ impl<E: Executor + Clone> Studio<E> {
         });
         self.page = Some(page);
         Ok(answer)
+    }
+
+    fn open_method(&mut self, name: &str, chosen: &MethodChosen) -> Answer {
+        self.method = None;
+        let scene = self.load(name)?;
+        let choice = chosen.choice(scene.film)?;
+        let computer = match &self.computer {
+            Computer::Gpu(gpu) if chosen.beside => Computer::with_cpu(gpu.clone()),
+            computer => computer.clone(),
+        };
+        self.method = Some(Method::new(computer, &scene, choice)?);
+        Ok(json!({ "size": [choice.size.width, choice.size.height] }))
+    }
+
+    /// The stages of the next round; their pictures are one after the other in the pixels.
+    fn round(&mut self) -> Answer {
+        let method = self.method.as_mut().ok_or("no method is shown")?;
+        let mut told = method.round()?;
+        if let Computer::Both(both) = method.executor() {
+            let partings = both.partings();
+            for stage in &mut told.stages {
+                stage.beside = Some(Beside::of(stage.kernels, &partings));
+            }
+        }
+        let pictures = told.stages.iter().flat_map(|stage| &stage.pictures);
+        self.pixels = pictures.flat_map(|painted| painted.rgba.iter().copied()).collect();
+        Ok(serde_json::to_value(told)?)
     }
 
     fn move_camera(&mut self, motion: &Motion) -> Answer {

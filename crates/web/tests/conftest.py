@@ -1,6 +1,7 @@
 """The page in a real browser, served as `cargo page` serves it.
 
-Before: `cargo page --no-serve` and `cargo build --release -p raystream-web --example digests`.
+Before: `cargo page --no-serve` and `cargo test --release`, which builds the example `digests`, or
+`cargo build --release -p raystream-web --example digests`, which is enough.
 CHROMIUM names another browser than Debian's, SCREENSHOTS a folder to write screenshots to.
 """
 

@@ -28,6 +28,8 @@ def test_nothing_leaves_the_machine(visit, address):
 
 def test_every_layer_is_shown_with_its_legend(visit):
     page = visit()
+    page.tab.locator("#width").select_option("160")
+    page.wait("picture.width === 160")
     page.wait_for_samples(4)
     numbers = {"Samples", "Error", "Depth"}
     seen = {}
@@ -55,6 +57,8 @@ def test_every_layer_is_shown_with_its_legend(visit):
 def test_choices_begin_another_render(visit):
     page = visit()
     page.wait_for_samples(2)
+    page.tab.locator("#width").select_option("160")
+    page.wait("picture.width === 160")
     for control, choice in [
         ("allocator", "uniform"), ("estimator", "halves"), ("integrator", "lvc"),
         ("filter", "nlm"), ("scene", "daylight"),
@@ -63,8 +67,8 @@ def test_choices_begin_another_render(visit):
         page.tab.locator(f"#{control}").select_option(choice)
         page.wait_for_samples(1)
         assert page.tab.locator("#problem").is_hidden(), choice
-    page.tab.locator("#width").select_option("160")
-    page.wait("picture.width === 160")
+    page.tab.locator("#width").select_option("320")
+    page.wait("picture.width === 320")
 
 
 def test_a_render_ends_at_its_samples_and_can_be_paused(visit):

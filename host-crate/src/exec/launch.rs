@@ -90,8 +90,9 @@ impl<'a, B> Launch<'a, B> {
         Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views, scene }
     }
 
-    /// The same run, with each buffer replaced by what `buffer` makes of it.
-    pub(super) fn with_buffers<C>(&self, buffer: impl Fn(&'a B) -> &'a C) -> Launch<'a, C> {
+    /// The same run, with each buffer replaced by what `buffer` makes of it: for executors that are
+    /// made of others.
+    pub fn with_buffers<C>(&self, buffer: impl Fn(&'a B) -> &'a C) -> Launch<'a, C> {
         let views = self.views.iter().map(|view| RawView {
             buffer: buffer(view.buffer),
             first_byte: view.first_byte,

@@ -3,6 +3,7 @@
 use super::metal::Conductor;
 use super::texture::TextureId;
 use glam::Vec3;
+use raystream_shaders::math::exact::ln;
 
 /// Names a material of a scene: its index in [`Scene::materials`](super::Scene::materials).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -129,7 +130,8 @@ impl Attenuation {
     /// What is lost by world unit, linear Rec.709.
     pub fn absorption(&self) -> Vec3 {
         let left = self.colour.max(Vec3::splat(1e-6));
-        Vec3::new(-left.x.ln(), -left.y.ln(), -left.z.ln()) / self.distance
+        // That of systems' libraries differs between them in its last bit.
+        left.map(|part| -ln(part)) / self.distance
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::sections::without_custom;
 use crate::wasm::root;
+use crate::wgsl;
 use anyhow::{Context, Result};
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -12,7 +13,8 @@ use std::path::Path;
 /// Where the page's own files are.
 const STATIC: &str = "crates/web/page";
 
-/// Writes the page to `folder`: its own files, and the library. Returns how many bytes that are.
+/// Writes the page to `folder`: its own files, the library, and the kernels for GPUs. Returns how
+/// many bytes that are.
 ///
 /// # Errors
 /// If a file cannot be read or written.
@@ -25,15 +27,17 @@ pub fn write(library: &Path, folder: &Path) -> Result<u64> {
         let entry = entry.with_context(|| format!("cannot read {}", own.display()))?;
         bytes += copy(&entry.path(), &folder.join(entry.file_name()))?;
     }
-    Ok(bytes + compress(library, &folder.join("raystream.wasm.gz"))?)
+    let module = fs::read(library).with_context(|| format!("cannot read {}", library.display()))?;
+    bytes += compress(&without_custom(&module)?, &folder.join("raystream.wasm.gz"))?;
+    let kernels = serde_json::to_vec(&wgsl::kernels()?).context("cannot write the kernels")?;
+    Ok(bytes + compress(&kernels, &folder.join("kernels.json.gz"))?)
 }
 
-/// Writes the library as gzip, which the page takes apart: so it is small from every server.
-fn compress(library: &Path, to: &Path) -> Result<u64> {
-    let module = fs::read(library).with_context(|| format!("cannot read {}", library.display()))?;
+/// Writes bytes as gzip, which the page takes apart: so they are few from every server.
+fn compress(bytes: &[u8], to: &Path) -> Result<u64> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(&without_custom(&module)?).context("cannot compress the library")?;
-    let bytes = encoder.finish().context("cannot compress the library")?;
+    encoder.write_all(bytes).context("cannot compress a file")?;
+    let bytes = encoder.finish().context("cannot compress a file")?;
     fs::write(to, &bytes).with_context(|| format!("cannot write {}", to.display()))?;
     Ok(bytes.len() as u64)
 }

@@ -5,6 +5,7 @@ mod gather;
 mod sections;
 mod server;
 mod wasm;
+mod wgsl;
 
 use anyhow::Result;
 use clap::Parser;
