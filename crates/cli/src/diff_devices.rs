@@ -15,6 +15,10 @@ use raystream::render::{Budget, FilterKind, PreparedScene, RenderError, Renderer
 use raystream::scene::DEFAULT_SCENE;
 use std::path::PathBuf;
 
+/// Slots of the longest stream: all of the memory that a kernel may write is compared after each of
+/// its launches, and pools of paths are as long as streams.
+const STREAM_SLOTS: u32 = 1 << 16;
+
 /// The options of `raystream diff-devices`.
 #[derive(Args)]
 pub struct DiffDevicesArguments {
@@ -62,6 +66,7 @@ pub fn run_command(arguments: &DiffDevicesArguments, given: &Given) -> Result<En
     let settings = Settings {
         sampling: arguments.sampling.sampling(),
         denoise: arguments.denoise,
+        stream_slots: Some(STREAM_SLOTS),
         ..arguments.settings.settings(&scene)
     };
     let facts = Facts::of_render(&settings, &scene, &first);
