@@ -3,9 +3,9 @@
 use bytemuck::{Pod, Zeroable};
 use raystream::exec::cpu::CpuExecutor;
 use raystream::exec::devices::OpenOptions;
-use raystream::exec::native::NativeArguments;
 use raystream::exec::{
-    Access, Array, Binding, Device, ExecError, Executor, Kernel, Launch, Paired, Table,
+    Access, Array, Binding, Device, ExecError, Executor, Kernel, Launch, NativeArguments, Paired,
+    Table,
 };
 use raystream_tests::with_gpu;
 use rspirv::binary::Assemble;
