@@ -58,10 +58,8 @@ impl Mutant {
         let place = self.module.functions.iter().position(|function| function.def_id() == id);
         let place = place.unwrap();
         for block in 0..self.module.functions[place].blocks.len() {
-            let block_of = |mutant: &mut Self| {
-                std::mem::take(&mut mutant.module.functions[place].blocks[block].instructions)
-            };
-            let before = block_of(self);
+            let instructions = &mut self.module.functions[place].blocks[block].instructions;
+            let before = std::mem::take(instructions);
             let mut after = Vec::new();
             for instruction in before {
                 let changed = of(self, &after, instruction);

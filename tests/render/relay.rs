@@ -51,7 +51,7 @@ fn rendered(
         for other in leg.others.iter().filter(|_| has_workers) {
             renderer.add_worker(Box::new(LocalWorker::new(*other, scene, settings)?));
         }
-        if let Some(from) = &leg.from {
+        if let Some(from) = leg.from {
             renderer.restore(from)?;
             kept = kept.max(renderer.paths());
         }

@@ -24,6 +24,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// Paths and rays that a render has traced.
+fn traced(state: Option<&Checkpoint>) -> (u64, u64) {
+    let rays = |state: &Checkpoint| state.radiance.iter().map(|sums| u64::from(sums.rays)).sum();
+    state.map_or((0, 0), |state| (state.progress.paths, rays(state)))
+}
+
 /// All that a render is made of.
 pub struct Job<'a> {
     pub arguments: &'a RenderArguments,
@@ -121,21 +127,20 @@ impl Job<'_> {
             let samples = state.progress.paths as f64 / pixels;
             self.arguments.say(&format!("going on from {samples:.2} samples per pixel"));
         }
-        let (mut keeper, mut budget) = (self.keeper()?, self.budget()?);
-        let time = budget.time;
+        let (mut keeper, budget) = (self.keeper()?, self.budget()?);
         let devices = std::iter::once(self.device).chain(self.others).cloned().collect();
-        let mut relay = Relay::new(devices, self.state_before().cloned());
+        let mut relay = Relay::new(devices, self.state_before());
         // Those of other processes end with the device that they trace for.
         let mut helpers = helpers.into_iter();
-        let (mut start, mut before) = (None, None);
+        let (paths_before, rays_before) = traced(self.state_before());
+        let start = Instant::now();
         let rendered = relay.run(|leg| {
-            let start = *start.get_or_insert_with(Instant::now);
-            let lost = if before.is_some() { start.elapsed() } else { Duration::ZERO };
-            budget.time = time.map(|time| time.saturating_sub(lost));
-            let mut renderer = self.renderer_on(leg.device, leg.others, leg.from.as_ref())?;
+            let lost = start.elapsed();
+            let time = budget.time.map(|time| time.saturating_sub(lost));
+            let (paths, rays) = traced(leg.from);
+            let mut renderer = self.renderer_on(leg.device, leg.others, leg.from)?;
             helpers.by_ref().for_each(|helper| renderer.add_worker(helper.worker));
-            let (paths, rays) = (renderer.paths(), renderer.rays()?);
-            let (paths_before, rays_before) = *before.get_or_insert((paths, rays));
+            let budget = Budget { time, ..budget };
             let mut rendered = self.render_by(renderer, budget, keeper.as_mut(), leg)?;
             rendered.outcome.elapsed += lost;
             rendered.outcome.paths += paths - paths_before;

@@ -9,6 +9,7 @@ use super::error::RenderError;
 use super::renderer::Renderer;
 use crate::clock::Instant;
 use crate::exec::{ExecError, Executor};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Time between two copies of the state: what is traced again, at most, but for one round.
@@ -17,8 +18,10 @@ const INTERVAL: Duration = Duration::from_secs(10);
 const ALLOWED: Duration = Duration::from_millis(100);
 
 /// The devices of a render, in the order in which they are to have its film.
-pub struct Relay<E> {
+pub struct Relay<'a, E> {
     devices: Vec<E>,
+    /// Where it begins.
+    from: Option<&'a Checkpoint>,
     kept: Kept,
 }
 
@@ -29,14 +32,15 @@ pub struct Leg<'a, E> {
     /// Who else may trace.
     pub others: &'a [E],
     /// What to go on from; nothing at the beginning.
-    pub from: Option<Checkpoint>,
+    pub from: Option<&'a Checkpoint>,
     /// To be [told](Kept::may_keep) wherever a checkpoint may be taken.
     pub kept: &'a mut Kept,
 }
 
 /// The last state of a render.
 pub struct Kept {
-    checkpoint: Option<Checkpoint>,
+    /// Shared with who goes on from it.
+    checkpoint: Option<Arc<Checkpoint>>,
     /// When it is to be copied again.
     next: Instant,
     interval: Duration,
@@ -53,7 +57,7 @@ impl Kept {
     pub fn may_keep<E: Executor>(&mut self, renderer: &Renderer<E>) -> Result<(), ExecError> {
         let start = Instant::now();
         if self.is_wanted && start >= self.next {
-            self.checkpoint = Some(renderer.checkpoint()?);
+            self.checkpoint = Some(Arc::new(renderer.checkpoint()?));
             let took = start.elapsed();
             let more = (took.as_secs_f64() / ALLOWED.as_secs_f64()).max(1.0);
             self.next = start + took + self.interval.mul_f64(more);
@@ -62,12 +66,12 @@ impl Kept {
     }
 }
 
-impl<E: Executor> Relay<E> {
+impl<'a, E: Executor> Relay<'a, E> {
     /// Of a render that begins with the first of `devices`, or goes on there `from` a state.
-    pub fn new(devices: Vec<E>, from: Option<Checkpoint>) -> Self {
+    pub fn new(devices: Vec<E>, from: Option<&'a Checkpoint>) -> Self {
         let next = Instant::now();
-        let kept = Kept { checkpoint: from, next, interval: INTERVAL, is_wanted: false };
-        Self { devices, kept }
+        let kept = Kept { checkpoint: None, next, interval: INTERVAL, is_wanted: false };
+        Self { devices, from, kept }
     }
 
     /// This one with another time between two copies than 10 s.
@@ -90,23 +94,25 @@ impl<E: Executor> Relay<E> {
         mut leg: impl FnMut(Leg<'_, E>) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
         loop {
-            let Self { devices, kept } = self;
+            let Self { devices, from, kept } = self;
             let (device, others) = devices.split_first().expect("a render has a device");
             kept.next = Instant::now() + kept.interval;
             kept.is_wanted = !others.is_empty();
-            let from = kept.checkpoint.clone();
+            let last = kept.checkpoint.clone();
+            let from = last.as_deref().or(*from);
             let error = match leg(Leg { device, others, from, kept }) {
                 Err(error @ RenderError::Exec(ExecError::Device { .. })) => error,
                 ended => return ended,
             };
             let Some(next) = others.first() else { return Err(error) };
-            let paths = kept.checkpoint.as_ref().map_or(0, |kept| kept.progress.paths);
+            let from = kept.checkpoint.as_deref().or(self.from);
+            let paths = from.map_or(0, |state| state.progress.paths);
             tracing::warn!(
                 "{} is lost: {error}. {} goes on from the last copy, of {paths} paths.",
                 device.name(),
                 next.name()
             );
-            devices.remove(0);
+            self.devices.remove(0);
         }
     }
 }
