@@ -2,7 +2,7 @@
 
 use crate::webgpu::{Driver, WebGpu, WebGpuBuffer};
 use raystream::exec::cpu::{CpuBuffer, CpuExecutor};
-use raystream::exec::{ExecError, Executor, Launch, Limits, Paired, PairedBuffer};
+use raystream::exec::{ExecError, Executor, Launch, Limits, Paired, PairedBuffer, run_over};
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 use std::sync::Arc;
 use std::time::Duration;
@@ -141,24 +141,11 @@ impl<D: Driver> Executor for Computer<D> {
 
     fn run_parts(&self, parts: &[&[Launch<'_, Self::Buffer>]]) -> Result<Vec<Duration>, ExecError> {
         match self {
-            Self::Cpu(cpu) => run_on(cpu, parts, ComputerBuffer::of_cpu),
-            Self::Gpu(gpu) => run_on(gpu, parts, ComputerBuffer::of_gpu),
-            Self::Both(both) => run_on(both.as_ref(), parts, ComputerBuffer::of_both),
+            Self::Cpu(cpu) => run_over(cpu, parts, ComputerBuffer::of_cpu),
+            Self::Gpu(gpu) => run_over(gpu, parts, ComputerBuffer::of_gpu),
+            Self::Both(both) => run_over(both.as_ref(), parts, ComputerBuffer::of_both),
         }
     }
-}
-
-/// Runs launches over a device's own buffers.
-fn run_on<'a, D: Driver, E: Executor>(
-    executor: &E,
-    parts: &[&[Launch<'a, ComputerBuffer<D>>]],
-    buffer: fn(&ComputerBuffer<D>) -> &E::Buffer,
-) -> Result<Vec<Duration>, ExecError> {
-    let of_part = |part: &&[Launch<'a, ComputerBuffer<D>>]| -> Vec<_> {
-        part.iter().map(|launch| launch.with_buffers(buffer)).collect()
-    };
-    let parts: Vec<Vec<_>> = parts.iter().map(of_part).collect();
-    executor.run_parts(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use crate::recording::{Keep, Recording, Step};
 use raystream::exec::{Executor, Kernel, SceneBuffers, UNORDERED};
-use raystream::film_file::scene_digest;
+use raystream::film_file::{hexadecimal, scene_digest};
 use raystream::render::{AllocatorKind, Estimator};
 use raystream::render::{
     BvhQuality, IntegratorKind, PreparedScene, RenderError, Renderer, Sampling, Settings,
@@ -91,8 +91,8 @@ fn keep(kernel: &Kernel) -> Keep {
 fn buffers_of_scene(step: &Step) -> Vec<(&'static str, String)> {
     let names = SceneBuffers::<()>::NAMES;
     let buffers = step.given.iter().filter(|bound| names.contains(&bound.name));
-    let parameters = ("parameters", hexadecimal(&step.parameters));
-    buffers.map(|bound| (bound.name, hexadecimal(&bound.bytes))).chain([parameters]).collect()
+    let parameters = ("parameters", sha256(&step.parameters));
+    buffers.map(|bound| (bound.name, sha256(&bound.bytes))).chain([parameters]).collect()
 }
 
 fn render_rounds<E: Executor>(
@@ -120,11 +120,11 @@ fn of_step<'s>(
         kernel: name,
         launch,
         binding: written.name,
-        sha256: hexadecimal(&written.bytes),
+        sha256: sha256(&written.bytes),
     })
 }
 
 /// SHA-256 in hexadecimal.
-fn hexadecimal(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
 }

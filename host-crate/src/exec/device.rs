@@ -4,7 +4,7 @@ use super::cpu::{CpuBuffer, CpuExecutor};
 use super::devices::{SCALAR, threads};
 #[cfg(feature = "gpu")]
 use super::gpu::GpuExecutor;
-use super::{ExecError, Executor, Launch, Limits};
+use super::{ExecError, Executor, Launch, Limits, run_over};
 use raystream_shaders::scene::bvh::wide::lanes::Simd;
 #[cfg(feature = "gpu")]
 use std::sync::Arc;
@@ -142,23 +142,9 @@ impl Executor for Device {
 
     fn run_parts(&self, parts: &[&[Launch<'_, DeviceBuffer>]]) -> Result<Vec<Duration>, ExecError> {
         match self {
-            Self::Cpu(cpu, _) => run_on(cpu, parts, DeviceBuffer::of_cpu),
+            Self::Cpu(cpu, _) => run_over(cpu, parts, DeviceBuffer::of_cpu),
             #[cfg(feature = "gpu")]
-            Self::Gpu(gpu) => run_on(gpu.as_ref(), parts, DeviceBuffer::of_gpu),
+            Self::Gpu(gpu) => run_over(gpu.as_ref(), parts, DeviceBuffer::of_gpu),
         }
     }
-}
-
-/// Runs launches over a device's own buffers. They are copied for it: some hundred bytes each,
-/// which is little beside what a launch costs anyway.
-fn run_on<'a, E: Executor>(
-    executor: &E,
-    parts: &[&[Launch<'a, DeviceBuffer>]],
-    buffer: fn(&DeviceBuffer) -> &E::Buffer,
-) -> Result<Vec<Duration>, ExecError> {
-    let of_part = |part: &&[Launch<'a, DeviceBuffer>]| -> Vec<_> {
-        part.iter().map(|launch| launch.with_buffers(buffer)).collect()
-    };
-    let parts: Vec<Vec<_>> = parts.iter().map(of_part).collect();
-    executor.run_parts(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }

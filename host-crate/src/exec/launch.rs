@@ -2,8 +2,10 @@
 
 use super::kernels::Kernel;
 use super::scene_buffers::SceneUses;
+use super::{ExecError, Executor};
 use bytemuck::Pod;
 use std::marker::PhantomData;
+use std::time::Duration;
 
 /// A part of a buffer, as a launch holds it.
 #[derive(Debug)]
@@ -90,9 +92,8 @@ impl<'a, B> Launch<'a, B> {
         Self { kernel, parameters: bytemuck::bytes_of(parameters).to_vec(), views, scene }
     }
 
-    /// The same run, with each buffer replaced by what `buffer` makes of it: for executors that are
-    /// made of others.
-    pub fn with_buffers<C>(&self, buffer: impl Fn(&'a B) -> &'a C) -> Launch<'a, C> {
+    /// The same run, with each buffer replaced by what `buffer` makes of it.
+    pub(super) fn with_buffers<C>(&self, buffer: impl Fn(&'a B) -> &'a C) -> Launch<'a, C> {
         let views = self.views.iter().map(|view| RawView {
             buffer: buffer(view.buffer),
             first_byte: view.first_byte,
@@ -131,4 +132,22 @@ impl<'a, B> Launch<'a, B> {
     pub fn threads(&self) -> u32 {
         bytemuck::pod_read_unaligned(&self.parameters[..4])
     }
+}
+
+/// Runs launches on the executor whose own buffers `buffer` takes theirs for: what an executor that
+/// is one of several does. They are copied for it: some hundred bytes each, which is little beside
+/// what a launch costs anyway.
+///
+/// # Errors
+/// Those of the executor.
+pub fn run_over<'a, B, E: Executor>(
+    executor: &E,
+    parts: &[&[Launch<'a, B>]],
+    buffer: fn(&B) -> &E::Buffer,
+) -> Result<Vec<Duration>, ExecError> {
+    let of_part = |part: &&[Launch<'a, B>]| -> Vec<_> {
+        part.iter().map(|launch| launch.with_buffers(buffer)).collect()
+    };
+    let parts: Vec<Vec<_>> = parts.iter().map(of_part).collect();
+    executor.run_parts(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }

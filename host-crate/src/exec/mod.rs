@@ -28,7 +28,7 @@ pub use counter::Counter;
 pub use counting::Counting;
 pub use device::Device;
 pub use kernels::{Access, Binding, Kernel};
-pub use launch::{Launch, RawView, View};
+pub use launch::{Launch, RawView, View, run_over};
 pub use native::{NativeArguments, NativeBinding};
 pub use paired::{Difference, Paired, PairedBuffer, Parting, UNORDERED};
 pub use scene_buffers::SceneBuffers;

@@ -29,6 +29,7 @@ fn update(hash: &mut Sha256, bytes: &[u8]) {
     hash.update(bytes);
 }
 
-fn hexadecimal(bytes: &[u8]) -> String {
+/// Bytes in hexadecimal: two lower-case digits for each.
+pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

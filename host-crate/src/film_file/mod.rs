@@ -19,7 +19,7 @@ mod merge;
 mod picture;
 mod planes;
 
-pub use digest::{kernels_digest, scene_digest};
+pub use digest::{hexadecimal, kernels_digest, scene_digest};
 pub use error::FilmFileError;
 pub use header::{Command, Difference, Header, Part};
 pub use merge::merge;

@@ -1,6 +1,7 @@
 //! What a reference picture is a picture of, so that a stored one is taken for no other.
 
 use raystream::exec::kernels::SPIRV;
+use raystream::film_file::hexadecimal;
 use raystream::image::LayeredImage;
 use raystream::render::{IntegratorKind, Settings, Techniques};
 use raystream::scene::{
@@ -25,7 +26,7 @@ impl Identity {
         };
         let mut pairs = vec![
             pair("scene", scene_digest(scene)),
-            pair("kernels", hex(&Sha256::digest(SPIRV))),
+            pair("kernels", hexadecimal(&Sha256::digest(SPIRV))),
             pair("size", format!("{}x{}", settings.size.width, settings.size.height)),
             pair("samples", samples.to_string()),
             pair("seed", settings.seed.to_string()),
@@ -62,7 +63,7 @@ impl Identity {
         for (name, value) in self.0.iter().filter(|(name, _)| name != "kernels") {
             hasher.update(format!("{name}={value}\n"));
         }
-        hex(&hasher.finalize())[..12].to_owned()
+        hexadecimal(&hasher.finalize())[..12].to_owned()
     }
 }
 
@@ -116,7 +117,7 @@ fn scene_digest(scene: &Scene) -> String {
             add(&mut hasher, &transform.to_cols_array());
         }
     }
-    hex(&hasher.finalize())
+    hexadecimal(&hasher.finalize())
 }
 
 /// Adds values and how many there are.
@@ -296,11 +297,7 @@ pub fn pixels_digest(image: &LayeredImage) -> String {
     for channel in channels {
         hasher.update(bytemuck::cast_slice(&channel.values));
     }
-    hex(&hasher.finalize())
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&hasher.finalize())
 }
 
 #[cfg(test)]
