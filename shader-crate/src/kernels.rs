@@ -321,10 +321,17 @@ macro_rules! for_each_kernel {
             /// Makes the guides of a control film.
             control_guides[256] = $crate::film::control::control_guides {
                 uniform parameters: $crate::film::control::ControlParams,
-                read differences: $crate::glam::Vec4,
                 read blurred: $crate::glam::Vec4,
+                write differences: $crate::glam::Vec4,
                 write counts: $crate::glam::Vec4,
                 write guided: $crate::glam::Vec4,
+            }
+            /// Averages the standard errors around pixels.
+            control_errors[256] = $crate::film::control::control_errors {
+                uniform parameters: $crate::film::control::ControlParams,
+                read errors: $crate::glam::Vec4,
+                read blurred: $crate::glam::Vec4,
+                write around: f32,
             }
             /// Blurs along rows or columns.
             blur[256] = $crate::film::control::blur {
@@ -336,8 +343,9 @@ macro_rules! for_each_kernel {
             control_shares[256] = $crate::film::control::control_shares {
                 uniform parameters: $crate::film::control::ControlParams,
                 read guided: $crate::glam::Vec4,
-                read corrections: $crate::glam::Vec4,
                 read blurred: $crate::glam::Vec4,
+                read around: f32,
+                write corrections: $crate::glam::Vec4,
                 write shares: $crate::glam::Vec4,
             }
             /// Adds up what pixels are given.

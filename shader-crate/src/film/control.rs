@@ -27,7 +27,12 @@
 //! more: [`control_shares`] is run once for each **level** of such ratios, of which each has a
 //! Gaussian of its own.
 //!
-//! What is proved: for each `q` the weights add up to 1, so the sums of `Z` and of `Y` over the
+//! Light that is as rare as it is bright, such as the sun in a drop of water, makes differences that
+//! no noise around would hide: a stain about each such pixel. A pixel therefore gives away at most
+//! what changes its neighbours by [`ControlParams::bound`] standard errors, of which the mean around it
+//! counts ([`control_errors`]), and keeps the rest: there it is right on average, too.
+//!
+//! What is proved: for each `q` the weights, with that of `q` for what it keeps, add up to 1, so the sums of `Z` and of `Y` over the
 //! picture are the same number, and the expectation of `Y` is the true one. What is not: the bias
 //! of a single pixel. What is left of it is finer than the Gaussian and follows another pattern
 //! than the guide.
@@ -42,6 +47,10 @@ use crate::memory::access::{Scatter, at};
 use crate::memory::device_struct;
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
+
+/// Weights of a Gaussian beside a pixel that are less than this together are roundings: those next
+/// to what is left out are larger.
+const LEAST_WEIGHT: f32 = 1e-3;
 
 device_struct! {
     /// The parameters of a pass over the pixels of a control film. 48 bytes.
@@ -67,10 +76,10 @@ device_struct! {
         pub end: f32,
         /// The unit of the film is 2 to this power.
         pub unit_exponent: i32,
+        /// Standard errors by which a pixel changes its neighbours at most.
+        pub bound: f32,
         /// Unused; zero.
         pub pad0: u32,
-        /// Unused; zero.
-        pub pad1: u32,
     }
 }
 
@@ -112,12 +121,13 @@ fn difference(pixel: &FilmPixel) -> Vec4 {
 /// along rows; the deviations, their last components, are here blurred along columns, too: that of
 /// few samples is 0 where a rare bright path is still to be found. (Variances, averaged, would let
 /// an edge decide for all that is near it.) Of the counts the ratio is kept, as the last component,
-/// behind a correction of nothing.
+/// behind a correction of nothing. What is left of the difference, as its last component, is the
+/// standard error of the pixel by its own samples alone.
 pub fn control_guides(
     lane: u32,
     params: &ControlParams,
-    differences: &[Vec4],
     blurred: &[Vec4],
+    difference: &mut Vec4,
     counts: &mut Vec4,
     guided: &mut Vec4,
 ) {
@@ -125,9 +135,41 @@ pub fn control_guides(
     let weights = total_weight(params, x, params.width) * total_weight(params, y, params.height);
     let first = lane - y.min(params.radius) * params.width;
     let sum = gaussian_sum(params, blurred, y, params.height, first, params.width);
-    let standard_error = sum.w / (weights * counts.w.max(1.0).sqrt());
-    *guided = at(differences, lane).truncate().extend(standard_error.sqrt());
+    let samples_root = counts.w.max(1.0).sqrt();
+    let standard_error = sum.w / (weights * samples_root);
+    *guided = difference.truncate().extend(standard_error.sqrt());
     *counts = Vec4::ZERO.with_w(counts.z);
+    *difference = Vec4::ZERO.with_w(difference.w / samples_root);
+}
+
+/// Kernel: the mean standard error around pixel `lane`, without it and those that touch it, since a
+/// bright spot may lie on their borders. `errors` are those of pixels by their own samples alone, as
+/// last components, and `blurred` the same along rows, by the Gaussian that makes guides.
+pub fn control_errors(
+    lane: u32,
+    params: &ControlParams,
+    errors: &[Vec4],
+    blurred: &[Vec4],
+    around: &mut f32,
+) {
+    let (x, y) = (lane % params.width, lane / params.width);
+    let first = lane - y.min(params.radius) * params.width;
+    let mut sum = gaussian_sum(params, blurred, y, params.height, first, params.width).w;
+    let mut weights =
+        total_weight(params, x, params.width) * total_weight(params, y, params.height);
+    let mut row = y - y.min(1);
+    while row <= (y + 1).min(params.height - 1) {
+        let mut column = x - x.min(1);
+        while column <= (x + 1).min(params.width - 1) {
+            let weight = weight(params, column, x) * weight(params, row, y);
+            sum -= weight * at(errors, row * params.width + column).w;
+            weights -= weight;
+            column += 1;
+        }
+        row += 1;
+    }
+    // In a picture that is no larger there is nobody around.
+    *around = if weights > LEAST_WEIGHT { (sum / weights).max(0.0) } else { 0.0 };
 }
 
 /// What the weights of a blur add up to at `place` of a row or column of `len` pixels.
@@ -181,20 +223,32 @@ fn gaussian_sum(
     total
 }
 
-/// Kernel: the difference of pixel `lane` over what the guides of all that it gives to add up to,
-/// the blurred ones; nothing where the pixel, by the last component of `corrections`, is of another
-/// level.
+/// Kernel: what pixel `lane` gives away over what the guides of all that it gives to add up to, the
+/// blurred ones; nothing where the pixel, by the last component of `correction`, is of another
+/// level. What neighbours with the guide of the pixel are given is at most the bound in standard
+/// errors, of which the mean is `around` it. The rest of the difference is the pixel's own
+/// correction.
 pub fn control_shares(
     lane: u32,
     params: &ControlParams,
     guided: &[Vec4],
-    corrections: &[Vec4],
     blurred: &[Vec4],
+    around: &[f32],
+    correction: &mut Vec4,
     share: &mut Vec4,
 ) {
-    let (ratio, guides) = (at(corrections, lane).w, at(blurred, lane).w);
-    let gives = ratio >= params.lowest && ratio < params.end && guides > 0.0;
-    *share = if gives { at(guided, lane) / guides } else { Vec4::ZERO };
+    let (ratio, guides) = (correction.w, at(blurred, lane).w);
+    *share = Vec4::ZERO;
+    if ratio < params.lowest || ratio >= params.end || guides <= 0.0 {
+        return;
+    }
+    let own = at(guided, lane);
+    let (difference, guide) = (own.truncate(), own.w);
+    let (largest, bound) =
+        (difference.abs().max_element() * guide, params.bound * at(around, lane) * guides);
+    let part = if largest > bound { bound / largest } else { 1.0 };
+    *correction += (difference * (1.0 - part)).extend(0.0);
+    *share = own * (part / guides);
 }
 
 /// Kernel: adds to what is to be added to the picture in pixel `lane` its guide's part of all that

@@ -16,14 +16,19 @@ const LEVELS: [(f32, f32); 3] = [(6.0, 2.0), (24.0, 4.0), (f32::MAX, 8.0)];
 /// Standard deviation, in pixels, of the Gaussian over which the deviation of samples is averaged
 /// for a guide.
 const GUIDE_SIGMA: f32 = 4.0;
+/// What a pixel gives away changes its neighbours by at most so many of their standard errors.
+/// docs/ADAPTIVE.md has what other values do.
+const BOUND: f32 = 1.5;
 /// Standard deviations at which the Gaussian is cut off.
 const CUT: f32 = 3.0;
 
-/// What the control film corrects the picture by, and what it takes to find that: four vectors
-/// for each pixel, in rows.
+/// What the control film corrects the picture by, and what it takes to find that: four vectors and
+/// a number for each pixel, in rows.
 pub struct ControlFilm<B> {
     size: FilmSize,
     guided: Array<B, Vec4>,
+    /// Mean standard errors around pixels.
+    around: Array<B, f32>,
     /// Between the passes by turns.
     scratch: [Array<B, Vec4>; 2],
     /// The counts, before.
@@ -64,8 +69,9 @@ impl<B> ControlFilm<B> {
     pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
         let pixels = (size.width * size.height) as usize;
         let array = || Array::zeroed(executor, "the control film", pixels);
+        let around = Array::zeroed(executor, "the control film", pixels)?;
         let scratch = [array()?, array()?];
-        Ok(Self { size, guided: array()?, scratch, corrections: array()? })
+        Ok(Self { size, guided: array()?, around, scratch, corrections: array()? })
     }
 
     /// The launches after which the corrections are those of a film of this size.
@@ -101,21 +107,25 @@ impl<B> ControlFilm<B> {
             kernels::blur(&along_rows, one.view(), other.view()),
             kernels::control_guides(
                 &parameters,
-                one.view(),
                 other.view(),
+                one.view(),
                 corrections.view(),
                 guided.view(),
             ),
+            kernels::blur(&along_rows, one.view(), other.view()),
+            kernels::control_errors(&parameters, one.view(), other.view(), self.around.view()),
         ];
         let mut lowest = 0.0;
         for (end, sigma) in LEVELS {
-            let level = ControlParams { lowest, end, ..gaussian(self.size, sigma, CUT) };
+            let gaussian = gaussian(self.size, sigma, CUT);
+            let level = ControlParams { lowest, end, bound: BOUND, ..gaussian };
             launches.extend(blur(&level, guided, one, other));
             launches.push(kernels::control_shares(
                 &level,
                 guided.view(),
-                corrections.view(),
                 other.view(),
+                self.around.view(),
+                corrections.view(),
                 one.view(),
             ));
             launches.extend(blur(&level, one, other, one));
