@@ -13,11 +13,12 @@ use super::features::{Features, UNMEASURED};
 use super::patch_map::{WINDOW, weight};
 use super::patches::place_near;
 use crate::film::tiles::pixel_of_rank;
-use crate::glam::{Vec3, Vec4};
+use crate::glam::{Mat3, Vec3, Vec4};
 use crate::memory::access::{Scatter, at, local, local_mut};
 use crate::memory::device_struct;
 
-/// Terms of a plane: a constant, two of place, three of albedo, three of normal, one of distance.
+/// Terms of a plane: a constant, two of place in the picture and one of distance, three of albedo,
+/// three of normal.
 pub const TERMS: u32 = 10;
 /// Elements of the lower half of a symmetric matrix of them.
 const HALF: u32 = TERMS * (TERMS + 1) / 2;
@@ -65,23 +66,130 @@ impl PlaneParams {
     }
 
     /// The terms of the plane about `centre` at a neighbour, all about 1 where they are large.
-    fn terms(&self, centre: &Features, tap: &Features, dx: i32, dy: i32) -> [f32; TERMS as usize] {
+    fn terms(&self, centre: &Features, tap: &Features, dx: i32, dy: i32) -> Terms {
         let reach = 1.0 / WINDOW as f32;
-        let albedo = tap.albedo - centre.albedo;
-        let normal = tap.normal - centre.normal;
         // In what the window covers there.
         let distance = (tap.distance - centre.distance) * reach / self.pixel_pitch;
+        Terms {
+            place: Vec3::new(dx as f32 * reach, dy as f32 * reach, distance.clamp(-1.0, 1.0)),
+            albedo: tap.albedo - centre.albedo,
+            normal: tap.normal - centre.normal,
+        }
+    }
+}
+
+/// The terms of a plane at a neighbour but for the constant.
+struct Terms {
+    /// Columns and rows to the right and down, and the distance from the camera.
+    place: Vec3,
+    albedo: Vec3,
+    normal: Vec3,
+}
+
+/// The normal equations: sums of products of the terms of neighbours, with one another and with
+/// colours, by weights.
+///
+/// Each sum has a name, since what an index finds is in a GPU's memory and not in its registers:
+/// with arrays, planes took ten times as long.
+struct Equations {
+    weights: f32,
+    place: Vec3,
+    albedo: Vec3,
+    normal: Vec3,
+    // The first word's terms are the rows.
+    place_place: Mat3,
+    albedo_place: Mat3,
+    albedo_albedo: Mat3,
+    normal_place: Mat3,
+    normal_albedo: Mat3,
+    normal_normal: Mat3,
+    color: Vec3,
+    color_place: Mat3,
+    color_albedo: Mat3,
+    color_normal: Mat3,
+}
+
+/// The products of all components of two vectors, those of the first as rows.
+fn products(rows: Vec3, columns: Vec3) -> Mat3 {
+    Mat3::from_cols(rows * columns.x, rows * columns.y, rows * columns.z)
+}
+
+impl Equations {
+    /// Without neighbours.
+    fn new() -> Self {
+        Self {
+            weights: 0.0,
+            place: Vec3::ZERO,
+            albedo: Vec3::ZERO,
+            normal: Vec3::ZERO,
+            place_place: Mat3::ZERO,
+            albedo_place: Mat3::ZERO,
+            albedo_albedo: Mat3::ZERO,
+            normal_place: Mat3::ZERO,
+            normal_albedo: Mat3::ZERO,
+            normal_normal: Mat3::ZERO,
+            color: Vec3::ZERO,
+            color_place: Mat3::ZERO,
+            color_albedo: Mat3::ZERO,
+            color_normal: Mat3::ZERO,
+        }
+    }
+
+    /// Adds a neighbour.
+    fn add(&mut self, terms: &Terms, weight: f32, color: Vec3) {
+        let Terms { place, albedo, normal } = *terms;
+        let weighed =
+            Terms { place: place * weight, albedo: albedo * weight, normal: normal * weight };
+        self.weights += weight;
+        self.place += weighed.place;
+        self.albedo += weighed.albedo;
+        self.normal += weighed.normal;
+        self.place_place += products(weighed.place, place);
+        self.albedo_place += products(weighed.albedo, place);
+        self.albedo_albedo += products(weighed.albedo, albedo);
+        self.normal_place += products(weighed.normal, place);
+        self.normal_albedo += products(weighed.normal, albedo);
+        self.normal_normal += products(weighed.normal, normal);
+        self.color += color * weight;
+        self.color_place += products(color, weighed.place);
+        self.color_albedo += products(color, weighed.albedo);
+        self.color_normal += products(color, weighed.normal);
+    }
+
+    /// The lower half of the matrix, row by row.
+    #[rustfmt::skip]
+    fn matrix(&self) -> [f32; HALF as usize] {
+        let (p, a, n) = (self.place, self.albedo, self.normal);
+        let (pp, aa, nn) = (self.place_place, self.albedo_albedo, self.normal_normal);
+        // Their rows.
+        let [ap, np, na] = [self.albedo_place, self.normal_place, self.normal_albedo];
+        let (ap, np, na) = (ap.transpose(), np.transpose(), na.transpose());
+        let (ax, ay, az) = (ap.x_axis, ap.y_axis, ap.z_axis);
+        let (nx, ny, nz) = (np.x_axis, np.y_axis, np.z_axis);
+        let (mx, my, mz) = (na.x_axis, na.y_axis, na.z_axis);
         [
-            1.0,
-            dx as f32 * reach,
-            dy as f32 * reach,
-            albedo.x,
-            albedo.y,
-            albedo.z,
-            normal.x,
-            normal.y,
-            normal.z,
-            distance.clamp(-1.0, 1.0),
+            self.weights,
+            p.x, pp.x_axis.x,
+            p.y, pp.x_axis.y, pp.y_axis.y,
+            p.z, pp.x_axis.z, pp.y_axis.z, pp.z_axis.z,
+            a.x, ax.x, ax.y, ax.z, aa.x_axis.x,
+            a.y, ay.x, ay.y, ay.z, aa.x_axis.y, aa.y_axis.y,
+            a.z, az.x, az.y, az.z, aa.x_axis.z, aa.y_axis.z, aa.z_axis.z,
+            n.x, nx.x, nx.y, nx.z, mx.x, mx.y, mx.z, nn.x_axis.x,
+            n.y, ny.x, ny.y, ny.z, my.x, my.y, my.z, nn.x_axis.y, nn.y_axis.y,
+            n.z, nz.x, nz.y, nz.z, mz.x, mz.y, mz.z, nn.x_axis.z, nn.y_axis.z, nn.z_axis.z,
+        ]
+    }
+
+    /// The right sides.
+    #[rustfmt::skip]
+    fn sums(&self) -> [Vec3; TERMS as usize] {
+        let (place, albedo, normal) = (self.color_place, self.color_albedo, self.color_normal);
+        [
+            self.color,
+            place.x_axis, place.y_axis, place.z_axis,
+            albedo.x_axis, albedo.y_axis, albedo.z_axis,
+            normal.x_axis, normal.y_axis, normal.z_axis,
         ]
     }
 }
@@ -115,8 +223,7 @@ pub fn fit_planes(
         planes.set(place, Vec4::NEG_ONE);
         return;
     }
-    let mut matrix = [0.0_f32; HALF as usize];
-    let (mut sums, mut squared_weights) = ([Vec3::ZERO; TERMS as usize], 0.0);
+    let (mut equations, mut squared_weights) = (Equations::new(), 0.0);
     let ((first_column, last_column), (first_row, last_row)) =
         (PlaneParams::reach(x, params.width), PlaneParams::reach(y, params.height));
     let mut row = first_row;
@@ -130,7 +237,7 @@ pub fn fit_planes(
                 let (tap, value) = (at(features, there), at(values, there));
                 if value.w >= 0.0 && tap.surface == centre.surface {
                     let terms = params.terms(&centre, &tap, dx, dy);
-                    add(&mut matrix, &mut sums, &terms, weight, value.truncate());
+                    equations.add(&terms, weight, value.truncate());
                     squared_weights += weight * weight;
                 }
             }
@@ -138,7 +245,8 @@ pub fn fit_planes(
         }
         row += 1;
     }
-    let weights = local(&matrix, 0);
+    let (mut matrix, mut sums) = (equations.matrix(), equations.sums());
+    let weights = equations.weights;
     let (mut own, mut slope) = (-1.0, 0.0);
     if weights > 0.0 {
         let known = solve(&mut matrix, &mut sums);
@@ -162,28 +270,6 @@ fn last_component(term: u32, own: f32, slope: f32) -> f32 {
         slope
     } else {
         0.0
-    }
-}
-
-/// Adds a neighbour to the normal equations.
-fn add(
-    matrix: &mut [f32; HALF as usize],
-    sums: &mut [Vec3; TERMS as usize],
-    terms: &[f32; TERMS as usize],
-    weight: f32,
-    value: Vec3,
-) {
-    let (mut row, mut place) = (0, 0);
-    while row < TERMS {
-        let weighed = weight * local(terms, row);
-        *local_mut(sums, row) += value * weighed;
-        let mut column = 0;
-        while column <= row {
-            *local_mut(matrix, place) += weighed * local(terms, column);
-            place += 1;
-            column += 1;
-        }
-        row += 1;
     }
 }
 
@@ -263,12 +349,19 @@ pub fn collect_planes(
                 let constant = at(planes, there);
                 if constant.w >= 0.0 {
                     let terms = params.terms(&centre, &own, dx, dy);
-                    let (mut value, mut term) = (constant, 1);
-                    while term < TERMS {
-                        value += at(planes, term * pixels + there) * local(&terms, term);
-                        term += 1;
-                    }
-                    let slope = at(planes, pixels + there).w;
+                    let first = at(planes, pixels + there);
+                    let slope = first.w;
+                    let plane = |term: u32| at(planes, term * pixels + there);
+                    let value = constant
+                        + first * terms.place.x
+                        + plane(2) * terms.place.y
+                        + plane(3) * terms.place.z
+                        + plane(4) * terms.albedo.x
+                        + plane(5) * terms.albedo.y
+                        + plane(6) * terms.albedo.z
+                        + plane(7) * terms.normal.x
+                        + plane(8) * terms.normal.y
+                        + plane(9) * terms.normal.z;
                     color += value.truncate() * weight;
                     weights += weight;
                     let follow = constant.w + slope * (1.0 + EVENNESS - weight);
