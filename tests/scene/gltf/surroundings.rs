@@ -53,14 +53,14 @@ fn cameras_are_chosen_by_their_names() {
 fn what_has_neither_camera_nor_light_gets_both() {
     let mut gltf = Gltf::triangle();
     let scene = gltf.scene();
-    assert_eq!(scene.environment, Some(Environment::white()));
-    assert_warns(&scene, &["a.glb: it has no light that is shown"]);
+    assert_eq!(scene.environment, Some(Environment::studio()));
+    assert_warns(&scene, &["a.glb: it has no light that is shown; it is lit by a soft studio"]);
     gltf.json["nodes"][1].as_object_mut().unwrap().remove("camera");
     let mut scene = gltf.scene();
     assert_warns(&scene, &["it has no camera that is shown"]);
     assert_eq!(scene.film, FilmSize { width: 800, height: 600 });
     assert!(scene.camera.origin.z > 1.0 && scene.check().is_ok());
-    // Another environment takes the place of the white one, and of its warning.
+    // Another environment takes the place of the studio, and of its warning.
     scene.set_environment(Environment::new(1, 1, vec![Vec3::X]));
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
 }
