@@ -126,6 +126,27 @@ fn extensions_that_are_not_read_are_said_or_refused() {
     gltf.json["extensionsRequired"] = json!(["KHR_texture_basisu", "KHR_materials_ior"]);
     let message = gltf.load().unwrap_err().to_string();
     assert!(message.contains("a.glb: requires `KHR_texture_basisu`,"), "{message}");
+    assert!(message.ends_with("export it without"), "{message}");
+}
+
+#[test]
+fn textures_that_require_ktx2_are_named_with_what_to_do() {
+    let mut gltf = Gltf::triangle();
+    gltf.add("images", json!({"uri": "wood.png"}));
+    gltf.add("images", json!({"uri": "wood.ktx2", "mimeType": "image/ktx2"}));
+    gltf.add("textures", json!({"source": 0}));
+    gltf.add("textures", json!({"extensions": {"KHR_texture_basisu": {"source": 1}}}));
+    gltf.json["extensionsUsed"] = json!(["KHR_texture_basisu"]);
+    gltf.json["extensionsRequired"] = json!(["KHR_texture_basisu"]);
+    let message = gltf.load().unwrap_err().to_string();
+    for part in
+        ["requires `KHR_texture_basisu`,", "of `textures[1]` are KTX2", "PNG", "ktxdecompress"]
+    {
+        assert!(message.contains(part), "{message}");
+    }
+    // That is not for what requires another one.
+    gltf.json["extensionsRequired"] = json!(["VENDOR_x"]);
+    assert!(gltf.load().unwrap_err().to_string().ends_with("export it without"));
 }
 
 #[test]
