@@ -97,7 +97,7 @@ impl Files {
             loaded.camera = framing(bounds);
         }
         if !loaded.emits() {
-            loaded.set_environment(Environment::white());
+            loaded.set_environment(Environment::studio());
         }
         let name = scene.display();
         loaded.warnings.push(format!("{name}: an OBJ has no camera; all of it is seen."));

@@ -14,8 +14,8 @@ use std::path::Path;
 const HDR: &[u8] = b"#?";
 
 /// How warnings end of scenes whose file has no light.
-pub(super) const LIT_BY_DEFAULT: &str = "white light from all around is used; give an environment, \
-    or an emissive material.";
+pub(super) const LIT_BY_DEFAULT: &str = "it is lit by a soft studio; give an environment or an \
+    emissive material for another light.";
 
 /// An environment: an equirectangular picture of radiances, which lights the scene from all around.
 ///
@@ -40,11 +40,6 @@ impl Environment {
     /// An environment of a picture, neither turned nor scaled; see [`Environment::texels`].
     pub fn new(width: u32, height: u32, texels: Vec<Vec3>) -> Self {
         Self { width, height, texels, rotation: 0.0, strength: 1.0 }
-    }
-
-    /// White light from all around, of radiance 1: what lights files that have no light.
-    pub fn white() -> Self {
-        Self::new(1, 1, vec![Vec3::ONE])
     }
 
     /// Whether any light comes from it.

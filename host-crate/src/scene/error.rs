@@ -141,14 +141,16 @@ pub enum SceneError {
     },
     /// A file requires what this version does not read.
     #[error(
-        "{}: requires {}, which this version does not read; export it without", .path.display(),
-        list(.names)
+        "{}: requires {}, which this version does not read; {}", .path.display(), list(.names),
+        remedy(.textures)
     )]
     Extensions {
         /// The glTF file.
         path: PathBuf,
         /// The names of the extensions.
         names: Vec<String>,
+        /// The places of the textures whose pictures need one of them.
+        textures: Vec<String>,
     },
     /// A scene has no camera of that name.
     #[error("no camera is called `{name}`; the scene has {}", list(.known))]
@@ -255,6 +257,18 @@ fn amount(bytes: u64) -> String {
             let digits = usize::from(!bytes.is_multiple_of(1 << shift));
             format!("{:.digits$} {unit}", bytes as f64 / f64::from(1 << shift))
         },
+    )
+}
+
+/// What to do with a file whose extensions are not read.
+fn remedy(textures: &[String]) -> String {
+    if textures.is_empty() {
+        return "export it without".to_owned();
+    }
+    format!(
+        "export it without: the pictures of {} are KTX2, take PNG, JPEG or WebP for them, or have \
+         `gltf-transform ktxdecompress` make a file with PNGs",
+        list(textures)
     )
 }
 

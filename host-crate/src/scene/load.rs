@@ -17,7 +17,7 @@ impl LoadOptions {
     /// end of its name.
     ///
     /// A glTF or PLY without a camera is seen from where all of it is in the picture, and one
-    /// without light is lit by [`Environment::white`](super::Environment::white).
+    /// without light is lit by [`Environment::studio`](super::Environment::studio).
     ///
     /// # Errors
     ///

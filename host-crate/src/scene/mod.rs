@@ -49,6 +49,7 @@ mod rule;
 mod shipped;
 mod sky;
 mod source;
+mod studio;
 mod summary;
 mod text;
 mod texture;

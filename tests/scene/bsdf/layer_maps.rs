@@ -1,7 +1,7 @@
 //! Textures of cover, passage, reflection and grain: what they multiply, and coats with a normal of
 //! their own.
 
-use super::principled::{arriving, assert_directions_follow_the_density, met};
+use super::principled::{ANGLES, arriving, assert_directions_follow_the_density, energy, met};
 use glam::{Mat2, Vec2, Vec3};
 use raystream::render::PreparedScene;
 use raystream::scene::{
@@ -163,6 +163,35 @@ fn bent() -> Vec<(&'static str, PreparedScene)> {
 fn directions_off_bent_coats_follow_the_density() {
     for (name, floor) in bent() {
         assert_directions_follow_the_density(name, &floor);
+    }
+}
+
+/// Light that a bent lobe sends into the surface is lost, and there is no more of it than that.
+#[test]
+fn white_furnaces_of_bent_coats_make_no_light() {
+    let normal = |texture: TextureId| Some(NormalMap { texture, scale: 1.0 });
+    for lean in [0.02, 0.1, 0.4] {
+        let texels = [leaning(lean, 0.0), leaning(0.0, -lean)];
+        for (roughness, bends) in [0.0, 0.2, 0.5, 1.0].into_iter().zip([[true, false]; 4]) {
+            for own in bends {
+                let floor = floor(&texels, |textures| Principled {
+                    maps: Maps {
+                        normal: normal(textures[0]),
+                        coat_normal: normal(textures[1]).filter(|_| own),
+                        ..Maps::default()
+                    },
+                    coat: 1.0,
+                    coat_roughness: roughness,
+                    ..Principled::paint(Vec3::ONE, 0.3)
+                });
+                for (degrees, is_above) in ANGLES.into_iter().flat_map(|a| [(a, true), (a, false)])
+                {
+                    let (mean, error) = energy(&floor, arriving(degrees, is_above));
+                    let what = format!("{lean} {roughness} {own} {degrees} {is_above}: {mean}");
+                    assert!(mean < 1.0 + 3.0 * error + 0.002, "{what} +- {error}");
+                }
+            }
+        }
     }
 }
 

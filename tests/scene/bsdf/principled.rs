@@ -22,7 +22,7 @@ const AZIMUTHS: usize = 24;
 /// Points along a cell's sides where its probability is integrated.
 const POINTS: usize = 40;
 /// From nearly straight to grazing, in degrees.
-const ANGLES: [f32; 4] = [2.0, 35.0, 60.0, 85.0];
+pub const ANGLES: [f32; 4] = [2.0, 35.0, 60.0, 85.0];
 
 /// A floor of one material, whose normal is +z.
 pub fn floor(material: Principled) -> PreparedScene {
@@ -178,7 +178,7 @@ pub fn assert_directions_follow_the_density(name: &str, floor: &PreparedScene) {
 
 /// The mean of the weights is what a white surroundings would show: the share of light that is
 /// kept.
-fn energy(floor: &PreparedScene, incoming: Vec3) -> (f64, f64) {
+pub fn energy(floor: &PreparedScene, incoming: Vec3) -> (f64, f64) {
     let bsdf = met(floor, incoming);
     let kept: Vec<f64> = samples(bsdf, incoming, SOBOL)
         .map(|sample| {

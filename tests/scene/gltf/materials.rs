@@ -255,7 +255,7 @@ fn pictures_that_cannot_be_read_leave_plain_colours() {
     assert_eq!((found.base_colour, found.metallic), (Vec3::ONE, 0.5));
     assert_eq!(found.maps, raystream::scene::Maps::default());
     assert_warns(&scene, &["cannot be read", "images[0]"]);
-    assert_warns(&scene, &["are not there", "lost.png", "textures[2]"]);
+    assert_warns(&scene, &["are not there", "lost.png", "textures[2] (KTX2"]);
     assert_warns(&scene, &["extensions are not read: `KHR_texture_basisu`"]);
 }
 

@@ -53,14 +53,14 @@ fn cameras_are_chosen_by_their_names() {
 fn what_has_neither_camera_nor_light_gets_both() {
     let mut gltf = Gltf::triangle();
     let scene = gltf.scene();
-    assert_eq!(scene.environment, Some(Environment::white()));
-    assert_warns(&scene, &["a.glb: it has no light that is shown"]);
+    assert_eq!(scene.environment, Some(Environment::studio()));
+    assert_warns(&scene, &["a.glb: it has no light that is shown; it is lit by a soft studio"]);
     gltf.json["nodes"][1].as_object_mut().unwrap().remove("camera");
     let mut scene = gltf.scene();
     assert_warns(&scene, &["it has no camera that is shown"]);
     assert_eq!(scene.film, FilmSize { width: 800, height: 600 });
     assert!(scene.camera.origin.z > 1.0 && scene.check().is_ok());
-    // Another environment takes the place of the white one, and of its warning.
+    // Another environment takes the place of the studio, and of its warning.
     scene.set_environment(Environment::new(1, 1, vec![Vec3::X]));
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
 }
@@ -126,6 +126,27 @@ fn extensions_that_are_not_read_are_said_or_refused() {
     gltf.json["extensionsRequired"] = json!(["KHR_texture_basisu", "KHR_materials_ior"]);
     let message = gltf.load().unwrap_err().to_string();
     assert!(message.contains("a.glb: requires `KHR_texture_basisu`,"), "{message}");
+    assert!(message.ends_with("export it without"), "{message}");
+}
+
+#[test]
+fn textures_that_require_ktx2_are_named_with_what_to_do() {
+    let mut gltf = Gltf::triangle();
+    gltf.add("images", json!({"uri": "wood.png"}));
+    gltf.add("images", json!({"uri": "wood.ktx2", "mimeType": "image/ktx2"}));
+    gltf.add("textures", json!({"source": 0}));
+    gltf.add("textures", json!({"extensions": {"KHR_texture_basisu": {"source": 1}}}));
+    gltf.json["extensionsUsed"] = json!(["KHR_texture_basisu"]);
+    gltf.json["extensionsRequired"] = json!(["KHR_texture_basisu"]);
+    let message = gltf.load().unwrap_err().to_string();
+    for part in
+        ["requires `KHR_texture_basisu`,", "of `textures[1]` are KTX2", "PNG", "ktxdecompress"]
+    {
+        assert!(message.contains(part), "{message}");
+    }
+    // That is not for what requires another one.
+    gltf.json["extensionsRequired"] = json!(["VENDOR_x"]);
+    assert!(gltf.load().unwrap_err().to_string().ends_with("export it without"));
 }
 
 #[test]

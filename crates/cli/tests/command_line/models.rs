@@ -60,7 +60,7 @@ fn a_scene_is_inspected() {
     assert_eq!(value["materials"], json!({"principled": 1}));
     assert_eq!(value["camera"]["origin"][2], 4.0);
     assert_eq!(value["cameras"][1]["name"], "from the side");
-    assert_eq!(value["lights"]["environment"], json!({"width": 1, "height": 1}));
+    assert_eq!(value["lights"]["environment"], json!({"width": 128, "height": 64}));
     assert!(value["memory"]["geometry"].as_u64().unwrap() > 0);
     assert!(value["warnings"].to_string().contains("thin films are left out"));
     assert_eq!(chosen.stderr, "", "warnings are among what is printed");

@@ -1,11 +1,14 @@
 //! Extensions: which are read, and what becomes of the others.
 
 use crate::scene::error::{SceneError, list};
-use gltf::json::Root;
+use gltf::json::{Root, Texture};
 use std::path::Path;
 
 /// The extension of pictures as WebP.
 pub(super) const WEBP: &str = "EXT_texture_webp";
+/// The extension of pictures as KTX2, which is not read: of its decoders in Rust, one is bindings of
+/// C++, which the page in the browser cannot have, and the other has had a single release.
+pub(super) const BASISU: &str = "KHR_texture_basisu";
 /// The extension of copies of a mesh.
 pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// The extension that moves texture coordinates.
@@ -51,7 +54,23 @@ pub(super) fn check_required(root: &Root, path: &Path) -> Result<(), SceneError>
     if names.is_empty() {
         return Ok(());
     }
-    Err(SceneError::Extensions { path: path.to_owned(), names })
+    let is_for_pictures = names.iter().any(|name| name == BASISU);
+    let textures = if is_for_pictures { textures_in_ktx2(root) } else { Vec::new() };
+    Err(SceneError::Extensions { path: path.to_owned(), names, textures })
+}
+
+/// The places of the textures that have a picture as KTX2.
+fn textures_in_ktx2(root: &Root) -> Vec<String> {
+    let textures = root.textures.iter().enumerate();
+    textures
+        .filter(|(_, texture)| is_in_ktx2(texture))
+        .map(|(k, _)| format!("textures[{k}]"))
+        .collect()
+}
+
+/// Whether a texture has a picture as KTX2.
+pub(super) fn is_in_ktx2(texture: &Texture) -> bool {
+    texture.extensions.as_ref().is_some_and(|all| all.others.contains_key(BASISU))
 }
 
 /// What to say of extensions that are not read.

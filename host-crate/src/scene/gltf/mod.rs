@@ -92,7 +92,7 @@ pub(super) fn load(
         }
     }
     if !has_lamp(&scene) {
-        scene.set_environment(Environment::white());
+        scene.set_environment(Environment::studio());
         scene.warnings.push(format!("{path}: it has no light that is shown; {LIT_BY_DEFAULT}"));
     }
     // What a file says has been checked on the way; this is for what is made of it.

@@ -1,7 +1,7 @@
 //! Textures and the pictures that they show.
 
 use super::document::Document;
-use super::extensions::WEBP;
+use super::extensions::{WEBP, is_in_ktx2};
 use crate::scene::error::SceneError;
 use crate::scene::options::LoadOptions;
 use crate::scene::picture::{self, Pictures};
@@ -47,7 +47,11 @@ impl<'a> Textures<'a> {
             Some(image) => usize::try_from(image).unwrap_or(usize::MAX),
             // So the crate says that there is none.
             None if texture.source.value() == u32::MAX as usize => {
-                let thing = format!("{here} (of a kind that is not read)");
+                let kind = match is_in_ktx2(texture) {
+                    true => "KTX2, which is not read: export PNG, JPEG or WebP",
+                    false => "of a kind that is not read",
+                };
+                let thing = format!("{here} ({kind})");
                 summary.note(document.path, 0, Fate::MissingTexture, &thing, material);
                 return Ok(None);
             }

@@ -58,7 +58,7 @@ pub(in crate::scene) fn load(
         scene.add_mesh(mesh);
     }
     framing::frame(&mut scene);
-    scene.set_environment(Environment::white());
+    scene.set_environment(Environment::studio());
     let path = path.display();
     let mut warn = |what: String| scene.warnings.push(format!("{path}: {what}"));
     if origin != DVec3::ZERO {

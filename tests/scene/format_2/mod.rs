@@ -1,5 +1,8 @@
 //! Scene files of format 2, and the schema of them that ships.
 
+mod schema;
+mod wrong;
+
 use glam::{Vec2, Vec3};
 use raystream::scene::{
     Channel, Instancing, Lens, LoadOptions, Maps, Material, MaterialId, Mesh, NormalMap, Placement,
@@ -7,9 +10,6 @@ use raystream::scene::{
 };
 use raystream_tests::scene_folder::SceneFolder;
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, BTreeSet};
-
-const SCHEMA: &str = include_str!("../../docs/scene.schema.json");
 
 /// A square of one material in the plane z = 0, with normals and texture coordinates.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n\
@@ -309,128 +309,6 @@ fn textures_of_layers_lie_each_by_itself() {
     assert!(std::sync::Arc::ptr_eq(&plain.texels, &moved.texels));
 }
 
-/// Puts each value at its place in a scene, and asserts that the error says all its parts.
-fn assert_named(cases: &[(&str, Value, &[&str])]) {
-    for (at, value, parts) in cases {
-        let mut scene = whole();
-        let (parent, key) = at.rsplit_once('/').unwrap();
-        scene.pointer_mut(parent).unwrap()[key] = value.clone();
-        let message = folder(&scene).error();
-        for part in *parts {
-            assert!(message.contains(part), "{at}: {message:?} does not say {part:?}");
-        }
-    }
-}
-
-#[test]
-fn what_is_wrong_with_meshes_and_materials_is_named() {
-    assert_named(&[
-        ("/format", json!(3), &["formats 1 and 2, not 3"]),
-        ("/obj", json!("a.obj"), &["unknown field `obj`"]),
-        ("/meshes/0/file", json!("b.obj"), &["key `meshes[0].file`", "no such file", "b.obj"]),
-        (
-            "/meshes/0/material",
-            json!("wal"),
-            &["key `meshes[0].material`", "`wal`", "`glow`, `wall`"],
-        ),
-        (
-            "/meshes/1/materials/middle",
-            json!("wall"),
-            &["meshes[1].materials", "`middle`", "`left`"],
-        ),
-        ("/meshes/0/transform", json!([1]), &["meshes[0].transform", "an object {...}"]),
-        ("/meshes/0/transform/scale", json!(0), &["meshes[0].transform", "determinant"]),
-        ("/meshes/0/transform/translate", json!([1e13, 0, 0]), &["meshes[0].transform.translate"]),
-        ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
-    ]);
-}
-
-#[test]
-fn what_is_wrong_with_textures_is_named() {
-    assert_named(&[
-        (
-            "/materials/glow/textures/normal/file",
-            json!("n.png"),
-            &["materials.glow.textures.normal.file", "no such file"],
-        ),
-        (
-            "/materials/glow/textures/metallic/channel",
-            json!("grey"),
-            &["unknown variant `grey`", "`red`"],
-        ),
-        (
-            "/materials/glow/textures/emission/filter",
-            json!("cubic"),
-            &["unknown variant `cubic`", "`nearest`"],
-        ),
-        (
-            "/materials/glow/textures/sheen",
-            json!({"file": "t.png", "transform": {"scale": [1]}}),
-            &["two numbers"],
-        ),
-        (
-            "/materials/glow/textures/coat",
-            json!({"file": "t.png"}),
-            &["materials.glow", "missing field `channel`"],
-        ),
-        (
-            "/materials/glow/textures/anisotropy",
-            json!({"file": "u.png"}),
-            &["materials.glow.textures.anisotropy.file", "no such file"],
-        ),
-        (
-            "/materials/glow/textures/coat_normal",
-            json!({"file": "t.png", "scale": 1e5}),
-            &["must be from -10000"],
-        ),
-        (
-            "/materials/glow/textures/bump",
-            json!({"file": "t.png"}),
-            &["materials.glow", "missing field `height`"],
-        ),
-        (
-            "/materials/glow/textures/bump",
-            json!({"file": "t.png", "height": 1e5}),
-            &["height", "must be from -10000"],
-        ),
-        (
-            "/materials/glow/textures/bump",
-            json!({"file": "t.png", "height": 1}),
-            &["materials.glow", "`normal` or `bump`, not both"],
-        ),
-    ]);
-}
-
-#[test]
-fn what_is_wrong_with_lights_and_cameras_is_named() {
-    assert_named(&[
-        ("/lights/0/angle", json!(1), &["lights[0]", "a point light has no key `angle`"]),
-        (
-            "/lights/1/inner_angle",
-            json!(40),
-            &["lights[1]", "inner_angle", "from 0 to outer_angle"],
-        ),
-        ("/lights/2/direction", json!([0, 0, 0]), &["lights[2]", "direction is zero"]),
-        ("/lights/2/irradiance", json!([0, -1, 0]), &["lights[2].irradiance", "from 0 to"]),
-        ("/environment", json!({}), &["environment", "needs the key `file`"]),
-        ("/environment/file", json!("x.hdr"), &["key `environment.file`", "no such file"]),
-        ("/environment/file", json!("t.png"), &["t.png", "neither a Radiance HDR nor an EXR"]),
-        ("/background", json!([1, 1]), &["key `background`", "three numbers"]),
-        ("/camera/aperture", json!(-1), &["camera.aperture", "from 0 to"]),
-        ("/camera/blades", json!(2), &["camera.blades", "from 3 to 64"]),
-        ("/camera/focus", json!(0), &["camera.focus", "above 0"]),
-        ("/camera/width", json!(3), &["a perspective camera has no key `width`"]),
-        ("/camera/type", json!("fisheye"), &["camera.type", "unknown variant", "`panorama`"]),
-        ("/camera/type", json!("orthographic"), &["an orthographic camera has no key `fov_y`"]),
-    ]);
-    let mut pinhole = whole();
-    pinhole["camera"].as_object_mut().unwrap().remove("aperture");
-    assert!(folder(&pinhole).error().contains("`focus` needs a lens"));
-    let mut without_angle = whole();
-    without_angle["camera"] = json!({"origin": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0]});
-    assert!(folder(&without_angle).error().contains("needs the key `fov_y`"));
-}
-
 #[test]
 fn materials_that_nothing_names_are_said() {
     let mut scene = whole();
@@ -458,92 +336,4 @@ fn both_formats_say_the_same_of_one_obj() {
         scene["meshes"] = json!([{"file": "a.obj", "transform": {"translate": [0, 0, 0]}}]);
     });
     assert_eq!(one, still.load().unwrap());
-}
-
-/// The keys that the reader knows where `at` is: it tells them to whoever gives another one.
-fn keys_of_the_reader(at: &str) -> BTreeSet<String> {
-    let mut scene = whole();
-    if at == "/environment/sky" {
-        scene["environment"]["sky"] = json!({});
-    }
-    if at == "/materials/glow/textures/bump" {
-        scene["materials"]["glow"]["textures"]["bump"] = json!({});
-    }
-    if at == "/materials/glow/textures/emission/transform" {
-        scene["materials"]["glow"]["textures"]["emission"]["transform"] = json!({});
-    }
-    // Alone, so that it is the first one that is read.
-    *scene.pointer_mut(at).unwrap() = json!({"zzz": 0});
-    if at.is_empty() {
-        scene["format"] = json!(2);
-        // Sorted by name, it would come after the others.
-        scene = json!({"format": 2, "Zzz": 0});
-    }
-    let message = folder(&scene).error();
-    let (_, known) = message.split_once("expected ").expect(&message);
-    known.split('`').skip(1).step_by(2).map(str::to_owned).collect()
-}
-
-/// The schema knows the keys that the reader knows, and no others.
-#[test]
-fn the_schema_has_the_keys_of_the_reader() {
-    let schema: Value = serde_json::from_str(SCHEMA).unwrap();
-    let places: BTreeMap<&str, &str> = [
-        ("", ""),
-        ("/film", "film"),
-        ("/camera", "camera"),
-        ("/meshes/0", "mesh"),
-        ("/meshes/0/transform", "transform"),
-        ("/materials/wall", "material"),
-        ("/materials/glow/reflectance", "colour_texture"),
-        ("/materials/glow/textures", "textures"),
-        ("/materials/glow/textures/roughness", "channel_texture"),
-        ("/materials/glow/textures/normal", "normal_texture"),
-        ("/materials/glow/textures/bump", "bump_texture"),
-        ("/materials/glow/textures/emission", "plain_texture"),
-        ("/materials/glow/textures/emission/transform", "texture_transform"),
-        ("/quads/0", "quad"),
-        ("/lights/0", "light"),
-        ("/environment", "environment"),
-        ("/environment/sky", "sky"),
-        ("/integrator", "integrator"),
-    ]
-    .into();
-    for (at, definition) in &places {
-        let object =
-            if definition.is_empty() { &schema } else { &schema["definitions"][definition] };
-        assert_eq!(object["additionalProperties"], json!(false), "{definition}");
-        let keys = object["properties"].as_object().unwrap().keys().cloned().collect();
-        assert_eq!(keys_of_the_reader(at), keys, "{at}");
-    }
-    let definitions = schema["definitions"].as_object().unwrap();
-    for (name, definition) in definitions {
-        let is_looked_at = places.values().any(|known| known == name);
-        assert!(is_looked_at || definition.get("properties").is_none(), "{name}");
-    }
-}
-
-/// What the schema asks for, the reader asks for as well.
-#[test]
-fn what_is_required_is_missed() {
-    let schema: Value = serde_json::from_str(SCHEMA).unwrap();
-    for (at, definition) in [
-        ("", ""),
-        ("/film", "film"),
-        ("/camera", "camera"),
-        ("/quads/0", "quad"),
-        ("/meshes/0", "mesh"),
-        ("/materials/wall", "material"),
-        ("/lights/0", "light"),
-    ] {
-        let object =
-            if definition.is_empty() { &schema } else { &schema["definitions"][definition] };
-        for key in object["required"].as_array().unwrap() {
-            let mut scene = whole();
-            let key = key.as_str().unwrap();
-            scene.pointer_mut(at).unwrap().as_object_mut().unwrap().remove(key);
-            let message = folder(&scene).error();
-            assert!(message.contains("missing field") && message.contains(key), "{at}: {message}");
-        }
-    }
 }
