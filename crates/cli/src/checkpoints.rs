@@ -5,6 +5,7 @@ use super::interrupt;
 use super::options::parse_seconds;
 use super::output::say;
 use super::progress::ProgressDisplay;
+use super::tev::Audience;
 use clap::Args;
 use raystream::exec::Executor;
 use raystream::film_file::{Difference, FilmFile, Header, Part};
@@ -105,6 +106,8 @@ pub struct RenderWatch<'a> {
     pub keeper: Option<&'a mut Keeper>,
     /// What another device goes on from.
     pub kept: &'a mut Kept,
+    /// Who sees pictures of it.
+    pub audience: &'a mut Audience,
 }
 
 impl<E: Executor> Watch<E> for RenderWatch<'_> {
@@ -123,6 +126,7 @@ impl<E: Executor> Watch<E> for RenderWatch<'_> {
 
     fn may_checkpoint(&mut self, renderer: &Renderer<E>) -> Result<(), RenderError> {
         self.kept.may_keep(renderer)?;
+        self.audience.may_look(renderer)?;
         let Some(keeper) = &mut self.keeper else { return Ok(()) };
         if keeper.last.elapsed() < keeper.every {
             return Ok(());

@@ -280,6 +280,7 @@ mod tests {
         "spp",
         "stream",
         "test",
+        "tev",
         "threads",
         "time",
         "truth_spp",

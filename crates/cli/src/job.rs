@@ -13,6 +13,7 @@ use super::progress::ProgressDisplay;
 use super::render::{DEFAULT_SAMPLES, RenderArguments, Resumed};
 use super::rendered::{Rendered, stop_name};
 use super::sampling::describe;
+use super::tev::Audience;
 use raystream::exec::ExecError;
 use raystream::exec::device::Device;
 use raystream::film_file::{Command, Header, kernels_digest, scene_digest};
@@ -121,7 +122,11 @@ impl Job<'_> {
     }
 
     /// Renders, on the next device where one is lost.
-    pub fn render(&self, helpers: Vec<Helper>) -> Result<Rendered, CliError> {
+    pub fn render(
+        &self,
+        helpers: Vec<Helper>,
+        audience: &mut Audience,
+    ) -> Result<Rendered, CliError> {
         if let Some(state) = self.state_before() {
             let pixels = f64::from(state.size.width) * f64::from(state.size.height);
             let samples = state.progress.paths as f64 / pixels;
@@ -141,7 +146,7 @@ impl Job<'_> {
             let mut renderer = self.renderer_on(leg.device, leg.others, leg.from)?;
             helpers.by_ref().for_each(|helper| renderer.add_worker(helper.worker));
             let budget = Budget { time, ..budget };
-            let mut rendered = self.render_by(renderer, budget, keeper.as_mut(), leg)?;
+            let mut rendered = self.render_by(renderer, budget, keeper.as_mut(), audience, leg)?;
             rendered.outcome.elapsed += lost;
             rendered.outcome.paths += paths - paths_before;
             rendered.outcome.rays += rays - rays_before;
@@ -156,12 +161,17 @@ impl Job<'_> {
         mut renderer: Renderer,
         budget: Budget,
         mut keeper: Option<&mut Keeper>,
+        audience: &mut Audience,
         leg: Leg<'_, Device>,
     ) -> Result<Rendered, RenderError> {
         let mut display = ProgressDisplay::new(self.arguments.quiet);
         let keeper_of_watch = keeper.as_deref_mut();
-        let mut watch =
-            RenderWatch { display: &mut display, keeper: keeper_of_watch, kept: leg.kept };
+        let mut watch = RenderWatch {
+            display: &mut display,
+            keeper: keeper_of_watch,
+            kept: leg.kept,
+            audience,
+        };
         let outcome = run_watched(&mut renderer, budget, &mut watch)?;
         display.finish();
         // Before the features get what a picture deserves: rounds to come must not see that.

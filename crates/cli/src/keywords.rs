@@ -20,6 +20,7 @@ const LEFT_OUT: &[&str] = &[
     "checkpoint_every",
     "frames",
     "fps",
+    "tev",
 ];
 
 /// An option of a render.

@@ -44,6 +44,7 @@ mod rendered;
 mod resume;
 mod sampling;
 mod scenes;
+mod tev;
 mod view;
 
 pub use self::calls::{Call, ReadyCall};

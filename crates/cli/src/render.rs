@@ -12,6 +12,7 @@ use super::options::{DeviceArguments, DisplayArguments, SettingsArguments, parse
 use super::output::{self, is_png, is_same_file};
 use super::processes::Processes;
 use super::sampling::SamplingArguments;
+use super::tev::Audience;
 use clap::Args;
 use raystream::exec::Executor;
 use raystream::exec::device::Device;
@@ -21,6 +22,7 @@ use raystream::image;
 use raystream::render::estimator::EstimateBuffers;
 use raystream::render::{FilterKind, Settings};
 use raystream::scene::{DEFAULT_SCENE, FilmSize, Scene};
+use raystream_figures::tev::{DEFAULT_ADDRESS, Tev, parse_address};
 use raystream_figures::{FigureError, png_layer_paths, write_png_layers};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -68,6 +70,16 @@ pub struct RenderArguments {
     /// estimated, picture.albedo.png, picture.normal.png and picture.depth.png.
     #[arg(long)]
     png_layers: bool,
+    /// Send the picture to the viewer tev while it renders, and in the end, where tev listens there
+    /// [with no value: 127.0.0.1:14158].
+    #[arg(
+        long,
+        value_name = "HOST:PORT",
+        num_args = 0..=1,
+        default_missing_value = DEFAULT_ADDRESS,
+        value_parser = parse_address
+    )]
+    tev: Option<String>,
     /// Say nothing but warnings and errors.
     #[arg(short, long)]
     pub(crate) quiet: bool,
@@ -160,6 +172,8 @@ pub fn go_on(
     if !processes.is_helper() {
         arguments.check_files(&outputs)?;
     }
+    let address = arguments.tev.as_ref().filter(|_| from.is_none() && !processes.is_helper());
+    let tev = address.map(|address| Tev::connect(address, &scene.name)).transpose()?;
     let (device, others) = arguments.device.open_all()?;
     let mut settings = arguments.all_settings(&scene);
     let writes_png = outputs.iter().any(|path| is_png(path));
@@ -182,7 +196,10 @@ pub fn go_on(
     }
     let helpers = processes.workers(&job.identity())?;
     job.name_helpers(&helpers);
-    job.write(&outputs, job.render(helpers)?)
+    let mut audience = Audience::new(tev);
+    let rendered = job.render(helpers, &mut audience)?;
+    audience.see_the_end(&rendered.film);
+    job.write(&outputs, rendered)
 }
 
 /// What to call devices that render together: of one kind, they make the film of one of them.

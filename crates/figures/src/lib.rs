@@ -1,5 +1,5 @@
 //! Figures: numbers as colours with a legend ([`color_map`]), the layers of a render as pictures
-//! ([`png_layers`]), and plots ([`plot`]).
+//! ([`png_layers`]), plots (`plot`), and pictures for another viewer (`tev`).
 
 mod canvas;
 pub mod color_map;
@@ -10,6 +10,8 @@ mod legend;
 pub mod plot;
 pub mod png_layers;
 mod scale;
+#[cfg(feature = "tev")]
+pub mod tev;
 
 pub use color_map::write_color_map;
 pub use color_scale::ColorScale;

@@ -2,7 +2,9 @@
 
 use crate::news::Status;
 use glam::DVec3;
+use rayon::prelude::*;
 use raystream::film::Film;
+use raystream_shaders::film::FilmPixel;
 
 /// The relative error of a film's picture by the variance of its samples: the root of the mean
 /// squared error over pixels and components, divided by the mean radiance. None where a pixel has
@@ -11,9 +13,26 @@ use raystream::film::Film;
 /// It is the same measure whatever decides about samples, so that renders can be compared. As any
 /// variance of few samples it knows nothing of light that has not been found.
 pub fn relative_error(film: &Film) -> Option<f64> {
+    // Part by part, so that the sums are the same however many threads there are.
+    let parts: Vec<_> = film.radiance.par_chunks(1 << 14).map(variance_and_mean).collect();
     let (mut variance, mut mean) = (0.0, 0.0);
-    // As `Film::variance` and `Film::plain`, without a picture of each: this is done often.
-    for pixel in &film.radiance {
+    for part in parts {
+        let (of_part, mean_of_part) = part?;
+        variance += of_part;
+        mean += mean_of_part;
+    }
+    let splats = film.splats.iter().flatten();
+    mean += splats.map(|splat| splat.as_dvec3().element_sum()).sum::<f64>();
+    let components = 3.0 * film.radiance.len() as f64;
+    let error = (variance / components).sqrt() / (mean / components);
+    (error.is_finite() && mean > 0.0).then_some(error)
+}
+
+/// The sums of variances and of means over pixels and components; None where a pixel has fewer than
+/// two samples. As `Film::variance` and `Film::plain`, without a picture of each: this is done often.
+fn variance_and_mean(pixels: &[FilmPixel]) -> Option<(f64, f64)> {
+    let (mut variance, mut mean) = (0.0, 0.0);
+    for pixel in pixels {
         let n = f64::from(pixel.samples());
         if n < 2.0 {
             return None;
@@ -23,11 +42,7 @@ pub fn relative_error(film: &Film) -> Option<f64> {
         variance += ((squares - m * m) / (n - 1.0)).max(DVec3::ZERO).element_sum();
         mean += m.element_sum();
     }
-    let splats = film.splats.iter().flatten();
-    mean += splats.map(|splat| splat.as_dvec3().element_sum()).sum::<f64>();
-    let components = 3.0 * film.radiance.len() as f64;
-    let error = (variance / components).sqrt() / (mean / components);
-    (error.is_finite() && mean > 0.0).then_some(error)
+    Some((variance, mean))
 }
 
 /// A point of a curve.

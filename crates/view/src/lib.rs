@@ -24,8 +24,6 @@ pub mod save;
 pub mod side;
 pub mod stage;
 #[cfg(feature = "window")]
-pub mod tev;
-#[cfg(feature = "window")]
 pub mod thread;
 #[cfg(feature = "window")]
 pub mod view;

@@ -100,7 +100,7 @@ pub fn measure(arguments: &Arguments, time: Duration) -> Result<Figures, String>
     }
     figures.moving.sort();
     figures.device = viewer.device().unwrap_or_default().to_owned();
-    let start = Instant::now();
+    let (start, mut last) = (Instant::now(), None::<Instant>);
     while start.elapsed() < time || figures.shown == 0 {
         viewer.take_painted(0);
         let updated = Instant::now();
@@ -111,9 +111,12 @@ pub fn measure(arguments: &Arguments, time: Duration) -> Result<Figures, String>
             (figures.rendering, figures.showing) = (frame.status.time, frame.status.showing);
             figures.shown += 1;
             figures.painting += took;
+            last = Some(updated);
         }
         std::thread::sleep(Duration::from_millis(1));
     }
+    // It has gone on since the last picture.
+    figures.rendering += last.map(|last| last.elapsed()).unwrap_or_default();
     Ok(figures)
 }
 

@@ -5,7 +5,6 @@ use crate::desk::{Desk, Order};
 use crate::layers::Layer;
 use crate::measure::measure;
 use crate::stage::SceneChoice;
-use crate::tev::{DEFAULT_ADDRESS, Tev};
 use crate::thread::RenderThread;
 use crate::viewer::Viewer;
 use crate::watch::Watch;
@@ -15,6 +14,7 @@ use eframe::egui;
 use raystream::image::{Display, ToneMap};
 use raystream::render::{AllocatorKind, Estimator, FilterKind, IntegratorKind};
 use raystream::scene::{DEFAULT_SCENE, FilmSize};
+use raystream_figures::tev::{DEFAULT_ADDRESS, Tev, parse_address};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Arc, PoisonError};
@@ -84,7 +84,7 @@ pub struct Arguments {
     pub watch: bool,
     /// Send the picture to tev, which listens there [with no value: 127.0.0.1:14158].
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1,
-        default_missing_value = DEFAULT_ADDRESS)]
+        default_missing_value = DEFAULT_ADDRESS, value_parser = parse_address)]
     pub tev: Option<String>,
     /// Size of the window in points.
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse_size)]
@@ -152,10 +152,7 @@ impl Arguments {
         }
         if let Some(address) = &self.tev {
             let name = self.scene.display().to_string();
-            let tev = Tev::connect(address, &name);
-            viewer.tev = Some(tev.map_err(|error| {
-                format!("tev does not listen at {address}: {error}; start it first, or name where")
-            })?);
+            viewer.tev = Some(Tev::connect(address, &name).map_err(|error| error.to_string())?);
         }
         Ok(())
     }

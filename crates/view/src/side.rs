@@ -4,6 +4,7 @@ use crate::choices::Stops;
 use crate::curve::relative_error;
 use crate::news::Status;
 use crate::pace::Shows;
+use rayon::prelude::*;
 use raystream::clock::Instant;
 use raystream::exec::{Device, Executor};
 use raystream::film::Film;
@@ -136,7 +137,7 @@ impl<E: Executor> Side<E> {
         }
         let all = all || self.stop.is_some();
         let film = if all { self.renderer.film()? } else { self.renderer.glance()? };
-        let rays = film.radiance.iter().map(|pixel| u64::from(pixel.rays)).sum();
+        let rays = film.radiance.par_iter().map(|pixel| u64::from(pixel.rays)).sum();
         let error = relative_error(&film);
         self.shows.shown(Instant::now(), start.elapsed());
         let status = Status {

@@ -88,8 +88,9 @@ impl<B, T: Pod> Array<B, T> {
         range: Range<usize>,
     ) -> Result<Vec<T>, ExecError> {
         let size = size_of::<T>() as u64;
-        let mut elements = vec![T::zeroed(); range.len()];
-        let bytes = bytemuck::cast_slice_mut(&mut elements);
+        // Zeros of the system's, which nobody has to write.
+        let mut elements = bytemuck::allocation::zeroed_vec(range.len());
+        let bytes = bytemuck::cast_slice_mut::<T, u8>(&mut elements);
         executor.read(&self.buffer, range.start as u64 * size, bytes)?;
         Ok(elements)
     }

@@ -138,7 +138,9 @@ impl<E: Executor> Renderer<E> {
         let DeviceState { executor, film, integrator, .. } = &self.state;
         let splats = integrator.splats(executor)?.map(|sums| sums.mean());
         let estimates = self.estimation.read_last(executor)?;
-        Ok(Film { splats, estimates, ..film.read(executor)? })
+        let has_features = self.estimation.feature_samples() > 0;
+        let film = if has_features { film.read(executor)? } else { film.read_radiance(executor)? };
+        Ok(Film { splats, estimates, ..film })
     }
 
     /// Copies the film to the host, with the features [so far](Self::finish_features) and, where

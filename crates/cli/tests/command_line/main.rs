@@ -21,6 +21,7 @@ mod outputs;
 mod program;
 mod renders;
 mod scenes;
+mod tev;
 mod validation;
 #[cfg(unix)]
 mod view;

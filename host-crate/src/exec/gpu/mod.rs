@@ -18,11 +18,14 @@ use clock::Clock;
 use exact::Exact;
 use float_controls::keeps_subnormals;
 use pipelines::{Pipeline, Pipelines};
+use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// Bytes that are copied between host and device at once.
 const TRANSFER_BYTES: u64 = 64 << 20;
+/// Bytes that a thread copies at once.
+const COPIED_BYTES: usize = 1 << 20;
 
 /// Why there are no exact kernels where naga translates them.
 const NOT_EXACT: &str = "exact kernels must reach the driver as SPIR-V: naga knows no way to say \
@@ -260,7 +263,10 @@ impl GpuExecutor {
         self.wait()?;
         let mapped =
             staging.get_mapped_range(..bytes).map_err(|error| self.failed(error.to_string()))?;
-        into.copy_from_slice(&mapped);
+        // Most of this is the host's own work, to give memory to `into`: threads share it.
+        let (parts, of_mapped) =
+            (into.par_chunks_mut(COPIED_BYTES), mapped.par_chunks(COPIED_BYTES));
+        parts.zip(of_mapped).for_each(|(into, from)| into.copy_from_slice(from));
         drop(mapped);
         staging.unmap();
         Ok(())

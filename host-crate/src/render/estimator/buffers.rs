@@ -149,7 +149,7 @@ impl<B> EstimateBuffers<B> {
 
     /// Copies the estimates to the host, in rows.
     pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<Estimate>, ExecError> {
-        Ok(in_rows(self.size, self.estimates.read(executor)?))
+        Ok(in_rows(self.size, &self.estimates.read(executor)?))
     }
 
     /// The noise by the last estimates; `mean_radiance` as in [`ComingRound`].

@@ -134,11 +134,18 @@ impl<B> FilmBuffers<B> {
 
     /// Copies to the host, in rows, what the film comes to.
     pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Film, ExecError> {
+        let features = self.read_features(executor)?;
+        Ok(Film { features, ..self.read_radiance(executor)? })
+    }
+
+    /// The same, of a film that has no features yet.
+    pub fn read_radiance<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Film, ExecError> {
         let FilmSize { width, height } = self.size;
         let unit_exponent = self.unit_exponent;
         let to_pixel = move |sums: PixelSums| sums.to_pixel(unit_exponent);
         let radiance = self.read_rows(executor, |band| &band.film, to_pixel)?;
-        Ok(Film::new(width, height, radiance, self.read_features(executor)?))
+        let features = bytemuck::allocation::zeroed_vec(radiance.len());
+        Ok(Film::new(width, height, radiance, features))
     }
 
     /// Copies the sums to the host, in rows.
@@ -206,7 +213,7 @@ impl<B> FilmBuffers<B> {
         value: impl Fn(T) -> U + Sync,
     ) -> Result<Vec<U>, ExecError> {
         let FilmSize { width, height } = self.size;
-        let mut rows = vec![U::zeroed(); self.pixels() as usize];
+        let mut rows: Vec<U> = bytemuck::allocation::zeroed_vec(self.pixels() as usize);
         // Band by band, so that little more than the rows themselves is in memory at once.
         for band in &self.bands {
             let (elements, first_rank) = (array(band).read(executor)?, band.first_rank);
@@ -237,11 +244,14 @@ pub fn row_place(size: FilmSize, rank: u32) -> usize {
 }
 
 /// What is in rank order, one for each pixel, in rows.
-pub fn in_rows<T: Zeroable + Copy>(size: FilmSize, ranked: Vec<T>) -> Vec<T> {
-    let mut rows = vec![T::zeroed(); ranked.len()];
-    for (rank, value) in (0..).zip(ranked) {
-        rows[row_place(size, rank)] = value;
-    }
+pub fn in_rows<T: Zeroable + Copy + Send + Sync>(size: FilmSize, ranked: &[T]) -> Vec<T> {
+    let FilmSize { width, height } = size;
+    let mut rows = bytemuck::allocation::zeroed_vec(ranked.len());
+    rows.par_chunks_mut(width as usize).zip(0..height).for_each(|(row, y)| {
+        for (value, x) in row.iter_mut().zip(0..) {
+            *value = ranked[rank_of_pixel(x, y, width, height) as usize];
+        }
+    });
     rows
 }
 

@@ -183,7 +183,7 @@ impl<B: Send + Sync + 'static> FilteredPicture<B> {
         filter: &dyn HostFilter,
     ) -> Result<(), ExecError> {
         let size = self.inputs.size;
-        let guides = in_rows(size, self.inputs.guides.read(executor)?);
+        let guides = in_rows(size, &self.inputs.guides.read(executor)?);
         let rows = filter.filter(size, &guides)?;
         let ranks = 0..rows.len() as u32;
         let ranked: Vec<_> = ranks.map(|rank| rows[row_place(size, rank)]).collect();
@@ -301,7 +301,7 @@ impl<B: Send + Sync + 'static> Reconstruction<B> {
     /// # Errors
     /// If the device fails.
     pub fn read<E: Executor<Buffer = B>>(&self, executor: &E) -> Result<Vec<Estimate>, ExecError> {
-        let mut rows = in_rows(self.picture.inputs.size, self.guarded.read(executor)?);
+        let mut rows = in_rows(self.picture.inputs.size, &self.guarded.read(executor)?);
         for (pixel, correction) in rows.iter_mut().zip(self.mean.read(executor)?) {
             pixel.filtered += correction;
         }

@@ -4,6 +4,7 @@ use raystream::film::Film;
 use std::io;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::Duration;
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
@@ -14,10 +15,31 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// The channels that are sent.
 const CHANNELS: [&str; 4] = ["R", "G", "B", "samples.N"];
 
+/// Nobody listens where tev was looked for.
+#[derive(Debug, thiserror::Error)]
+#[error("tev does not listen at {address}: {source}; start it first, or name where it listens")]
+pub struct TevError {
+    address: String,
+    source: io::Error,
+}
+
+/// An address as an option's value: a host and a port.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn parse_address(text: &str) -> Result<String, String> {
+    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+    match port.map(|(_, port)| port.parse::<u16>()) {
+        Some(Ok(1..)) => Ok(text.to_owned()),
+        _ => Err(format!("give a host and a port, such as {DEFAULT_ADDRESS}")),
+    }
+}
+
 /// A connection to tev. It sends in a thread of its own, and leaves out pictures that have been
 /// replaced before it was their turn.
 pub struct Tev {
     post: Arc<Post>,
+    thread: Option<JoinHandle<()>>,
 }
 
 #[derive(Default)]
@@ -53,14 +75,19 @@ impl Tev {
     ///
     /// # Errors
     /// If nobody listens there.
-    pub fn connect(address: &str, name: &str) -> io::Result<Self> {
+    pub fn connect(address: &str, name: &str) -> Result<Self, TevError> {
+        let connected = Self::connect_to(address, name);
+        connected.map_err(|source| TevError { address: address.to_owned(), source })
+    }
+
+    fn connect_to(address: &str, name: &str) -> io::Result<Self> {
         let none = || io::Error::new(io::ErrorKind::NotFound, "there is no such address");
         let address = address.to_socket_addrs()?.next().ok_or_else(none)?;
         let stream = TcpStream::connect_timeout(&address, PATIENCE)?;
         stream.set_write_timeout(Some(Duration::from_secs(10)))?;
         let post = Arc::new(Post::default());
         let (kept, name) = (Arc::clone(&post), name.to_owned());
-        std::thread::Builder::new().name("tev".to_owned()).spawn(move || {
+        let thread = std::thread::Builder::new().name("tev".to_owned()).spawn(move || {
             let mut client = TevClient::wrap(stream);
             let mut size = None;
             while let Some(film) = post.next() {
@@ -70,7 +97,7 @@ impl Tev {
                 }
             }
         })?;
-        Ok(Self { post: kept })
+        Ok(Self { post: kept, thread: Some(thread) })
     }
 
     /// Shows a picture.
@@ -83,12 +110,24 @@ impl Tev {
     pub fn take_failure(&self) -> Option<String> {
         self.post.state().failure.take()
     }
+
+    /// Waits until the last picture has been sent, and ends. Returns what has gone wrong.
+    pub fn finish(mut self) -> Option<String> {
+        self.close();
+        // It does not panic.
+        let _ = self.thread.take().map(JoinHandle::join);
+        self.take_failure()
+    }
+
+    fn close(&self) {
+        self.post.state().is_closing = true;
+        self.post.changed.notify_all();
+    }
 }
 
 impl Drop for Tev {
     fn drop(&mut self) {
-        self.post.state().is_closing = true;
-        self.post.changed.notify_all();
+        self.close();
     }
 }
 
@@ -110,7 +149,7 @@ fn send(
         })?;
         *size = Some((width, height));
     }
-    let colors = film.color();
+    let colors = film.best();
     let pixels = colors.iter().zip(film.samples());
     let data: Vec<f32> =
         pixels.flat_map(|(color, n)| [color.x, color.y, color.z, n as f32]).collect();
@@ -200,7 +239,32 @@ mod tests {
             tev.take_failure()
         });
         assert!(failure.unwrap().contains("tev"));
-        assert!(Tev::connect(&address, "a").is_err());
-        assert!(Tev::connect("no host at all", "a").is_err());
+        for address in [address.as_str(), "no host at all"] {
+            let error = Tev::connect(address, "a").err().unwrap().to_string();
+            assert!(error.contains(address) && error.contains("start it first"), "{error}");
+        }
+    }
+
+    #[test]
+    fn the_last_picture_is_sent_before_the_end() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let tev = Tev::connect(&listener.local_addr().unwrap().to_string(), "a").unwrap();
+        let (mut stream, _) = listener.accept().unwrap();
+        tev.show(film(4));
+        assert_eq!(tev.finish(), None);
+        let kinds = [packet(&mut stream).0, packet(&mut stream).0];
+        assert_eq!(kinds, [4, 6]);
+        assert_eq!(stream.read(&mut [0]).unwrap(), 0, "the connection ends");
+    }
+
+    #[test]
+    fn addresses_are_a_host_and_a_port() {
+        for right in [DEFAULT_ADDRESS, "localhost:1", "[::1]:14158", "a.b:65535"] {
+            assert_eq!(parse_address(right).as_deref(), Ok(right));
+        }
+        for wrong in ["", "14158", "localhost", ":14158", "localhost:0", "a:65536", "scene.json"] {
+            let message = parse_address(wrong).unwrap_err();
+            assert!(message.contains(DEFAULT_ADDRESS), "{wrong}: {message}");
+        }
     }
 }
