@@ -48,17 +48,23 @@ fn film() -> Film {
     Film::new(SIZE.width, SIZE.height, radiance, vec![FeaturePixel::zeroed(); pixels])
 }
 
+/// Columns and rows between two pixels.
+fn apart(p: usize, q: usize) -> [u32; 2] {
+    let place = |p: usize| (p as u32 % SIZE.width, p as u32 / SIZE.width);
+    let ((px, py), (qx, qy)) = (place(p), place(q));
+    [px.abs_diff(qx), py.abs_diff(qy)]
+}
+
+/// A Gaussian of their distance, cut off at three deviations along each axis.
+fn gaussian(p: usize, q: usize, sigma: f64) -> f64 {
+    let [x, y] = apart(p, q).map(f64::from);
+    let sees = x.max(y) <= 3.0 * sigma;
+    if sees { (-(x * x + y * y) / (2.0 * sigma * sigma)).exp() } else { 0.0 }
+}
+
 /// docs/ADAPTIVE.md, word by word, in double precision.
 fn by_definition(film: &Film) -> Vec<DVec3> {
     let pixels = &film.radiance;
-    let place = |p: usize| [p as i64 % i64::from(SIZE.width), p as i64 / i64::from(SIZE.width)];
-    // Cut off at three deviations along each axis.
-    let gaussian = |p: usize, q: usize, sigma: f64| {
-        let ([px, py], [qx, qy]) = (place(p), place(q));
-        let (x, y) = ((px - qx).abs() as f64, (py - qy).abs() as f64);
-        let sees = x.max(y) <= 3.0 * sigma;
-        if sees { (-(x * x + y * y) / (2.0 * sigma * sigma)).exp() } else { 0.0 }
-    };
     let has_both = |p: &FilmPixel| p.second_samples > 0;
     let deviations: Vec<f64> = pixels
         .iter()
@@ -80,10 +86,7 @@ fn by_definition(film: &Film) -> Vec<DVec3> {
         .collect();
     // The mean standard error around a pixel, without it and those that touch it.
     let around = |q: usize| {
-        let touches = |p: usize| {
-            let ([px, py], [qx, qy]) = (place(p), place(q));
-            (px - qx).abs().max((py - qy).abs()) <= 1
-        };
+        let touches = |p: usize| apart(p, q).into_iter().max() <= Some(1);
         let others: Vec<usize> = all.clone().filter(|&p| !touches(p)).collect();
         let error = |p: usize| deviations[p] / f64::from(pixels[p].samples()).sqrt();
         let sum: f64 = others.iter().map(|&p| gaussian(p, q, 4.0) * error(p)).sum();
