@@ -37,11 +37,12 @@ pub struct Principled {
     /// the first: panes, soap bubbles, leaves. It is not bent then.
     pub thin_walled: bool,
     /// What the body behind the front takes of light on its way; `None` for what is clear. It has
-    /// no effect where there is no [body](Material::body).
+    /// no effect where there is no [body](super::Material::body).
     pub attenuation: Option<Attenuation>,
     /// Where bodies overlap, that of the highest priority is there, in [-1000, 1000], and the
     /// index of refraction is absolute. `None`: it is there in whatever it is entered from, and the
-    /// index is relative to that, unless that has a priority. It needs a [body](Material::body).
+    /// index is relative to that, unless that has a priority. It needs a
+    /// [body](super::Material::body).
     pub priority: Option<i32>,
     /// Share of the surface that has a clear coat of index of refraction 1.5, in [0, 1].
     pub coat: f32,
