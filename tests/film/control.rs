@@ -106,7 +106,7 @@ fn by_definition(film: &Film) -> Vec<DVec3> {
             8.0
         };
         let total: f64 = all.clone().map(|r| guides[r] * gaussian(r, q, sigma)).sum();
-        let bound = 1.5 * around(q) * total / guides[q];
+        let bound = 2.0 * around(q) * total / guides[q];
         let given = difference * (bound / difference.abs().max_element()).min(1.0);
         corrections[q] += difference - given;
         for p in all.clone() {
@@ -184,8 +184,8 @@ fn a_glint_leaves_no_stain_on_the_wall_around_it() {
         let (with, without) = (of(&wall(1e4)), of(&wall(0.0)));
         let stain = |p: usize| (with[p] - without[p]).abs().max_element();
         let around = (0..with.len()).filter(|&p| p != glint).map(stain).fold(0.0, f32::max);
-        // Guides around are raised by the glint, and fall off with the distance.
-        assert!(around < 2.0 * error, "{device}: {around}");
+        // Two errors by the definition, and what the wall's own noise adds to these.
+        assert!(around < 2.5 * error, "{device}: {around}");
         // Nothing is lost.
         let sum: f64 = (0..with.len()).map(|p| f64::from(with[p].x - without[p].x)).sum();
         let missing = 1e4 * (1.0 - f64::from(CONTROL) / 64.0);

@@ -18,7 +18,7 @@ const LEVELS: [(f32, f32); 3] = [(6.0, 2.0), (24.0, 4.0), (f32::MAX, 8.0)];
 const GUIDE_SIGMA: f32 = 4.0;
 /// What a pixel gives away changes its neighbours by at most so many of their standard errors.
 /// docs/ADAPTIVE.md has what other values do.
-const BOUND: f32 = 1.5;
+const BOUND: f32 = 2.0;
 /// Standard deviations at which the Gaussian is cut off.
 const CUT: f32 = 3.0;
 
