@@ -29,7 +29,8 @@ pub fn relative_error(film: &Film) -> Option<f64> {
 }
 
 /// The sums of variances and of means over pixels and components; None where a pixel has fewer than
-/// two samples. As `Film::variance` and `Film::plain`, without a picture of each: this is done often.
+/// two samples. As `Film::variance` and `Film::plain`, without a picture of each: this is done
+/// often.
 fn variance_and_mean(pixels: &[FilmPixel]) -> Option<(f64, f64)> {
     let (mut variance, mut mean) = (0.0, 0.0);
     for pixel in pixels {

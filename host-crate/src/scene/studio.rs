@@ -47,8 +47,8 @@ impl Environment {
     /// behind.
     ///
     /// Its exposure is that of a meter in the scene: what faces the key light has an irradiance of
-    /// pi, so that matt surfaces are as bright there as their colour says, and nowhere more than 3 %
-    /// brighter.
+    /// pi, so that matt surfaces are as bright there as their colour says, and nowhere more than
+    /// 3 % brighter.
     pub fn studio() -> Self {
         let row = |y: u32| (0..WIDTH).map(move |x| radiance(direction(x, y)));
         let texels = (0..HEIGHT).flat_map(row).map(|value| Vec3::splat(value as f32)).collect();

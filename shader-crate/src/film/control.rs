@@ -27,15 +27,15 @@
 //! more: [`control_shares`] is run once for each **level** of such ratios, of which each has a
 //! Gaussian of its own.
 //!
-//! Light that is as rare as it is bright, such as the sun in a drop of water, makes differences that
-//! no noise around would hide: a stain about each such pixel. A pixel therefore gives away at most
-//! what changes its neighbours by [`ControlParams::bound`] standard errors, of which the mean around it
-//! counts ([`control_errors`]), and keeps the rest: there it is right on average, too.
+//! Light that is as rare as it is bright, such as the sun in a drop of water, makes differences
+//! that no noise around would hide: a stain about each such pixel. A pixel therefore gives away at
+//! most what changes its neighbours by [`ControlParams::bound`] standard errors, of which the mean
+//! around it counts ([`control_errors`]), and keeps the rest: there it is right on average, too.
 //!
-//! What is proved: for each `q` the weights, with that of `q` for what it keeps, add up to 1, so the sums of `Z` and of `Y` over the
-//! picture are the same number, and the expectation of `Y` is the true one. What is not: the bias
-//! of a single pixel. What is left of it is finer than the Gaussian and follows another pattern
-//! than the guide.
+//! What is proved: for each `q` the weights, with that of `q` for what it keeps, add up to 1. So
+//! the sums of `Z` and of `Y` over the picture are the same number, and the expectation of `Y` is
+//! the true one. What is not: the bias of a single pixel. What is left of it is finer than the
+//! Gaussian and follows another pattern than the guide.
 
 use crate::film::FilmPixel;
 use crate::film::sums::PixelSums;
@@ -143,8 +143,8 @@ pub fn control_guides(
 }
 
 /// Kernel: the mean standard error around pixel `lane`, without it and those that touch it, since a
-/// bright spot may lie on their borders. `errors` are those of pixels by their own samples alone, as
-/// last components, and `blurred` the same along rows, by the Gaussian that makes guides.
+/// bright spot may lie on their borders. `errors` are those of pixels by their own samples alone,
+/// as last components, and `blurred` the same along rows, by the Gaussian that makes guides.
 pub fn control_errors(
     lane: u32,
     params: &ControlParams,

@@ -6,8 +6,8 @@ use std::path::Path;
 
 /// The extension of pictures as WebP.
 pub(super) const WEBP: &str = "EXT_texture_webp";
-/// The extension of pictures as KTX2, which is not read: of its decoders in Rust, one is bindings of
-/// C++, which the page in the browser cannot have, and the other has had a single release.
+/// The extension of pictures as KTX2, which is not read: of its decoders in Rust, one is bindings
+/// of C++, which the page in the browser cannot have, and the other is at its version 0.1.0.
 pub(super) const BASISU: &str = "KHR_texture_basisu";
 /// The extension of copies of a mesh.
 pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
