@@ -351,17 +351,16 @@ pub fn collect_planes(
                     let terms = params.terms(&centre, &own, dx, dy);
                     let first = at(planes, pixels + there);
                     let slope = first.w;
-                    let plane = |term: u32| at(planes, term * pixels + there);
                     let value = constant
                         + first * terms.place.x
-                        + plane(2) * terms.place.y
-                        + plane(3) * terms.place.z
-                        + plane(4) * terms.albedo.x
-                        + plane(5) * terms.albedo.y
-                        + plane(6) * terms.albedo.z
-                        + plane(7) * terms.normal.x
-                        + plane(8) * terms.normal.y
-                        + plane(9) * terms.normal.z;
+                        + at(planes, 2 * pixels + there) * terms.place.y
+                        + at(planes, 3 * pixels + there) * terms.place.z
+                        + at(planes, 4 * pixels + there) * terms.albedo.x
+                        + at(planes, 5 * pixels + there) * terms.albedo.y
+                        + at(planes, 6 * pixels + there) * terms.albedo.z
+                        + at(planes, 7 * pixels + there) * terms.normal.x
+                        + at(planes, 8 * pixels + there) * terms.normal.y
+                        + at(planes, 9 * pixels + there) * terms.normal.z;
                     color += value.truncate() * weight;
                     weights += weight;
                     let follow = constant.w + slope * (1.0 + EVENNESS - weight);
