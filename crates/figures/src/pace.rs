@@ -10,8 +10,8 @@ const RENDERING: u32 = 24;
 /// A picture that took `c` is followed by at least `24 c` of rendering. Where pictures cost the
 /// same within a quarter, showing then takes at most 5 % of any time that begins after a picture,
 /// the first one say, however long or short that time is; of any other time it takes that and a
-/// picture more. Nothing is saved up for later: a render that was looked at seldom is not looked at more
-/// often afterwards.
+/// picture more. Nothing is saved up for later: a render that was looked at seldom is not looked at
+/// more often afterwards.
 ///
 /// Times are of rendering alone, so that renders which take turns are told apart.
 #[derive(Clone, Copy, Debug)]

@@ -49,8 +49,8 @@ pub struct SamplePath {
     pub contribution: Contribution,
 }
 
-/// [`Slot::sample`] of one of the samples that a pixel has, counted from 0: those of the first half,
-/// of which there are `first_samples`, come first.
+/// [`Slot::sample`] of one of the samples that a pixel has, counted from 0: those of the first
+/// half, of which there are `first_samples`, come first.
 pub fn sample_number(sample: u32, first_samples: u32) -> u32 {
     let second = sample.checked_sub(first_samples);
     second.map_or(sample, |number| number | SECOND_HALF)
@@ -87,8 +87,8 @@ impl SamplePath {
         self.vertices.len() + usize::from(self.escape.is_some())
     }
 
-    /// How it lies over the picture of `camera`. What leaves the scene, and lights farther away, are
-    /// drawn up to `reach` world units.
+    /// How it lies over the picture of `camera`. What leaves the scene, and lights farther away,
+    /// are drawn up to `reach` world units.
     pub fn drawing(&self, camera: &Camera, reach: f32) -> Drawing {
         let eye = Eye { camera, lens: self.lens };
         let mut drawing = Drawing::default();
