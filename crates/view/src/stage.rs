@@ -156,8 +156,8 @@ impl Stage {
         hit.is_some().then(|| point.as_dvec3())
     }
 
-    /// The path of one of the samples that a pixel has, counted from 0, of which `first_samples` are
-    /// of its first half; and how it lies over the picture of these settings.
+    /// The path of one of the samples that a pixel has, counted from 0, of which `first_samples`
+    /// are of its first half; and how it lies over the picture of these settings.
     pub fn path(
         &self,
         settings: &Settings,
@@ -186,24 +186,6 @@ fn triangles(scene: &Scene) -> u64 {
 }
 
 fn bounds(scene: &Scene) -> Bounds {
-    let of_meshes = scene.meshes.iter().flat_map(|mesh| mesh.positions.iter());
-    let ends = |shape: &raystream::scene::Mesh| {
-        let (low, high) = shape
-            .positions
-            .iter()
-            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), point| {
-                (low.min(*point), high.max(*point))
-            });
-        [low.as_dvec3(), high.as_dvec3()]
-    };
-    let of_shapes: Vec<[DVec3; 2]> = scene.shapes.iter().map(ends).collect();
-    let of_instances = scene.instances.iter().flat_map(|instance| {
-        let [low, high] = of_shapes[instance.shape.0 as usize];
-        let corner = move |bits: u32| {
-            let pick = |axis: u32| if bits >> axis & 1 == 0 { low } else { high };
-            DVec3::new(pick(0).x, pick(1).y, pick(2).z)
-        };
-        (0..8).map(move |bits| instance.transform.transform_point3(corner(bits)))
-    });
-    Bounds::of(of_meshes.map(|p| p.as_dvec3()).chain(of_instances).filter(|p| p.is_finite()))
+    let corners = scene.bounds().into_iter().flatten().map(Vec3::as_dvec3);
+    Bounds::of(corners.filter(|corner| corner.is_finite()))
 }
