@@ -17,6 +17,7 @@ pub mod large_scenes;
 pub mod materials;
 pub mod meshopt;
 pub mod renders;
+pub mod run;
 pub mod scene_folder;
 pub mod scenes;
 pub mod statistics;
@@ -24,6 +25,7 @@ pub mod statistics;
 pub use devices::{cpus, has_gpu, no_gpu, with_exact_gpu, with_gpu};
 pub use large_scenes::large_scenes;
 pub use renders::{prepare, render, render_on, settings};
+pub use run::Run;
 
 /// Says what is left out on the terminal itself: the test harness hides what passing tests print
 /// the usual way.

@@ -4,25 +4,25 @@ use super::output::say;
 use raystream::exec::Executor;
 use raystream::film::Film;
 use raystream::render::{RenderError, Renderer};
+use raystream_figures::Pace;
 use raystream_figures::tev::Tev;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A picture is sent this often at most.
-const SHORTEST_INTERVAL: Duration = Duration::from_millis(250);
-/// Pictures take one part of so many of the render's time, at most.
-const SHARE: u32 = 25;
+/// Rendering between two pictures, at least.
+const SHORTEST: Duration = Duration::from_millis(250);
 
 /// Who sees a render's pictures while it runs.
 pub struct Audience {
     tev: Option<Tev>,
-    due: Instant,
+    since: Instant,
+    pace: Pace,
 }
 
 impl Audience {
     /// That of `tev`; nobody without it.
     pub fn new(tev: Option<Tev>) -> Self {
-        Self { tev, due: Instant::now() }
+        Self { tev, since: Instant::now(), pace: Pace::new(SHORTEST) }
     }
 
     /// Shows what there is, if that is due.
@@ -31,16 +31,17 @@ impl Audience {
     /// If the device fails.
     pub fn may_look<E: Executor>(&mut self, renderer: &Renderer<E>) -> Result<(), RenderError> {
         let Some(tev) = &self.tev else { return Ok(()) };
-        let start = Instant::now();
-        if start < self.due {
+        let rendered = self.since.elapsed().saturating_sub(self.pace.total());
+        if !self.pace.is_due(rendered) {
             return Ok(());
         }
         if let Some(failure) = tev.take_failure() {
             self.lose(&failure);
             return Ok(());
         }
+        let start = Instant::now();
         tev.show(Arc::new(renderer.glance()?));
-        self.due = Instant::now() + SHORTEST_INTERVAL.max(start.elapsed() * (SHARE - 1));
+        self.pace.shown(rendered, start.elapsed());
         Ok(())
     }
 

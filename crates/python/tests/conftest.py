@@ -7,6 +7,7 @@ import pathlib
 import subprocess
 from typing import Any
 
+import numpy as np
 import pytest
 import raystream as rs
 
@@ -14,6 +15,13 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 # Small, and on the device whose bits are the same everywhere.
 SMALL = {"size": (40, 30), "spp": 24, "device": "cpu", "seed": 3}
+
+
+def same(a: np.ndarray, b: np.ndarray) -> None:
+    """Two layers are the same, bit for bit."""
+    assert a.dtype == b.dtype == np.float32
+    assert a.shape == b.shape
+    assert a.tobytes() == b.tobytes()
 
 
 def command() -> str:

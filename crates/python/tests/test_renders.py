@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import raystream as rs
-from conftest import SMALL, run
+from conftest import SMALL, run, same
 
 OPTIONS = [
     {"allocator": "uniform"},
@@ -14,12 +14,6 @@ OPTIONS = [
     {"allocator": "paper", "estimator": "halves", "relative": True, "initial_spp": 2},
     {"integrator": "lvc", "max_depth": 4, "noise": 0.3},
 ]
-
-
-def same(a, b):
-    assert a.dtype == b.dtype == np.float32
-    assert a.shape == b.shape
-    assert a.tobytes() == b.tobytes()
 
 
 @pytest.mark.parametrize("options", OPTIONS, ids=str)

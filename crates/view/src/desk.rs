@@ -4,7 +4,7 @@ use crate::choices::{Choices, Stops};
 use crate::news::{Activity, News};
 use crate::stage::Stage;
 use raystream::scene::Camera;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// What is to be rendered.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,6 +154,15 @@ impl Desk {
     /// The news since the last time.
     pub fn take_news(&self) -> News {
         lock(&self.news).take()
+    }
+
+    /// The same, if nobody has it at the moment.
+    pub fn try_stage(&self) -> Option<MutexGuard<'_, Option<Stage>>> {
+        match self.stage.try_lock() {
+            Ok(stage) => Some(stage),
+            Err(TryLockError::Poisoned(poisoned)) => Some(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
     }
 
     /// The scene, once there is one.

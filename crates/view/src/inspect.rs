@@ -50,7 +50,7 @@ pub fn inspect(film: &Film, [x, y]: [u32; 2]) -> Vec<(&'static str, String)> {
 }
 
 /// Three numbers.
-fn vector(v: glam::Vec3) -> String {
+pub fn vector(v: glam::Vec3) -> String {
     v.to_array().map(short).join("  ")
 }
 

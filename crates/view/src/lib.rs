@@ -17,6 +17,7 @@ pub mod measure;
 pub mod navigator;
 pub mod news;
 pub mod pace;
+pub mod paths;
 #[cfg(feature = "window")]
 pub mod program;
 #[cfg(feature = "window")]

@@ -63,6 +63,9 @@ pub struct Arguments {
     /// What is shown at first: beauty, denoised, samples, error, albedo, normal or depth.
     #[arg(long, default_value = "beauty", value_parser = parse_layer)]
     pub layer: Layer,
+    /// Keep this pixel in the inspector, with the path of one of its samples.
+    #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]
+    pub pixel: Option<[u32; 2]>,
     /// Brightness in stops: +1 doubles.
     #[arg(long, default_value_t = 0.0, value_name = "STOPS", allow_negative_numbers = true,
         value_parser = parse_exposure)]
@@ -132,6 +135,7 @@ impl Arguments {
         let mut viewer = Viewer::new(desk, self.scene(), self.order());
         viewer.compare(self.compare);
         viewer.show(self.layer);
+        viewer.pinned = self.pixel;
         viewer.set_display(Display { exposure: self.exposure, tone_map: self.tone_map });
         viewer
     }
@@ -236,6 +240,16 @@ fn parse_size(text: &str) -> Result<FilmSize, String> {
     }
 }
 
+fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(',').map(|(x, y)| [x, y].map(|side| side.trim().parse().ok()));
+    match sides {
+        Some([Some(x), Some(y)]) => Ok([x, y]),
+        _ => {
+            Err(format!("'{text}' is not a pixel such as 12,34, counted from 0,0 at the top left"))
+        }
+    }
+}
+
 fn parse_layer(text: &str) -> Result<Layer, String> {
     let known = || Layer::ALL.map(|layer| layer.name().to_lowercase()).join(", ");
     Layer::named(text).ok_or_else(|| format!("there is no '{text}'; there are: {}", known()))
@@ -310,6 +324,8 @@ mod tests {
             "--compare",
             "--layer",
             "Error",
+            "--pixel",
+            "7,8",
         ])
         .unwrap();
         let order = arguments.order();
@@ -321,7 +337,7 @@ mod tests {
         assert_eq!(choices.filter, Some(FilterKind::Nlm));
         let viewer = arguments.viewer(Arc::new(Desk::new(|| ())));
         assert!(viewer.compares());
-        assert_eq!(viewer.layer(), Layer::Error);
+        assert_eq!((viewer.layer(), viewer.pinned), (Layer::Error, Some([7, 8])));
         assert_eq!(parse(&["--denoise"]).unwrap().denoise, Some(FilterKind::Auto));
     }
 
@@ -348,6 +364,8 @@ mod tests {
             (&["--sky", "91"], "degrees"),
             (&["--exposure", "inf"], "stops"),
             (&["--spp", "0"], "0"),
+            (&["--pixel", "12"], "12,34"),
+            (&["--pixel", "12,-3"], "12,34"),
             (&["--after", "1"], "--screenshot"),
         ] {
             let error = parse(words).unwrap_err();

@@ -3,19 +3,22 @@
 use crate::choices::Stops;
 use crate::curve::relative_error;
 use crate::news::Status;
-use crate::pace::Shows;
 use rayon::prelude::*;
 use raystream::clock::Instant;
 use raystream::exec::{Device, Executor};
 use raystream::film::Film;
 use raystream::render::{PreparedScene, RenderError, Renderer, Settings, Stop};
+use raystream_figures::Pace;
 use std::sync::Arc;
 use std::time::Duration;
+
+/// Rendering between two pictures, at least.
+const SHORTEST: Duration = Duration::from_millis(100);
 
 /// One render.
 pub struct Side<E: Executor = Device> {
     renderer: Renderer<E>,
-    shows: Shows,
+    pace: Pace,
     /// How many paths the last round was given, if it was left before its end: the next one goes on
     /// with it.
     left: Option<u64>,
@@ -31,7 +34,7 @@ impl<E: Executor> Side<E> {
     pub fn new(device: E, scene: &PreparedScene, settings: &Settings) -> Result<Self, RenderError> {
         Ok(Self {
             renderer: Renderer::new(device, scene, settings)?,
-            shows: Shows::new(Instant::now()),
+            pace: Pace::new(SHORTEST),
             left: None,
             time: Duration::ZERO,
             stop: None,
@@ -98,7 +101,8 @@ impl<E: Executor> Side<E> {
             if interrupted() || is_late && !is_first && round.is_in_film() {
                 break;
             }
-            if round.can_be_kept() && self.shows.is_due(Instant::now()) && !is_first {
+            let is_due = self.pace.is_due(self.time + start.elapsed());
+            if round.can_be_kept() && is_due && !is_first {
                 self.left = Some(paths);
                 break;
             }
@@ -122,7 +126,7 @@ impl<E: Executor> Side<E> {
 
     /// Whether a picture is due.
     pub fn is_due(&self) -> bool {
-        self.renderer.paths() > 0 && self.shows.is_due(Instant::now())
+        self.renderer.paths() > 0 && self.pace.is_due(self.time)
     }
 
     /// A picture of what there is. The last one, and one that is to have `all`, has corrections,
@@ -139,12 +143,12 @@ impl<E: Executor> Side<E> {
         let film = if all { self.renderer.film()? } else { self.renderer.glance()? };
         let rays = film.radiance.par_iter().map(|pixel| u64::from(pixel.rays)).sum();
         let error = relative_error(&film);
-        self.shows.shown(Instant::now(), start.elapsed());
+        self.pace.shown(self.time, start.elapsed());
         let status = Status {
             samples: self.renderer.paths() as f64 / f64::from(self.renderer.pixels()),
             rays,
             time: self.time,
-            showing: self.shows.total(),
+            showing: self.pace.total(),
             error,
             stop: self.stop,
         };

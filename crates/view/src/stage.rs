@@ -1,10 +1,14 @@
 //! The scene on the stage: loaded, prepared, and what there is to know of it.
 
 use crate::navigator::Bounds;
+use crate::paths::{Drawing, SamplePath, sample_number};
 use glam::{DVec3, Vec3};
 use raystream::render::scene::camera::camera as on_film;
 use raystream::render::{BvhQuality, PreparedScene, RenderError, Settings};
 use raystream::scene::{Camera, FilmSize, LoadOptions, Scene, SceneError, Sky, shipped};
+use raystream_shaders::film::stream::Slot;
+use raystream_shaders::film::tiles::rank_of_pixel;
+use raystream_shaders::scene::SceneView;
 use raystream_shaders::scene::abilities::{ALL, Fixed};
 use std::path::{Path, PathBuf};
 
@@ -151,6 +155,27 @@ impl Stage {
         let point: Vec3 = ray.origin + ray.direction * hit.t;
         hit.is_some().then(|| point.as_dvec3())
     }
+
+    /// The path of one of the samples that a pixel has, counted from 0, of which `first_samples`
+    /// are of its first half; and how it lies over the picture of these settings.
+    pub fn path(
+        &self,
+        settings: &Settings,
+        [x, y]: [u32; 2],
+        sample: u32,
+        first_samples: u32,
+    ) -> (SamplePath, Drawing) {
+        let PreparedScene { geometry, surfaces, texels, .. } = &self.prepared;
+        let parameters = self.prepared.parameters(settings);
+        let view = SceneView::new(Fixed::<ALL>, &parameters.scene, geometry, surfaces, texels);
+        let rank = rank_of_pixel(x, y, settings.size.width, settings.size.height);
+        let slot = Slot { rank, sample: sample_number(sample, first_samples) };
+        let path = SamplePath::trace(&parameters, &view, slot);
+        // What leaves the scene does so within its diameter.
+        let reach = 2.0 * self.facts.bounds.radius as f32;
+        let drawing = path.drawing(&parameters.camera, reach);
+        (path, drawing)
+    }
 }
 
 fn triangles(scene: &Scene) -> u64 {
@@ -161,24 +186,6 @@ fn triangles(scene: &Scene) -> u64 {
 }
 
 fn bounds(scene: &Scene) -> Bounds {
-    let of_meshes = scene.meshes.iter().flat_map(|mesh| mesh.positions.iter());
-    let ends = |shape: &raystream::scene::Mesh| {
-        let (low, high) = shape
-            .positions
-            .iter()
-            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), point| {
-                (low.min(*point), high.max(*point))
-            });
-        [low.as_dvec3(), high.as_dvec3()]
-    };
-    let of_shapes: Vec<[DVec3; 2]> = scene.shapes.iter().map(ends).collect();
-    let of_instances = scene.instances.iter().flat_map(|instance| {
-        let [low, high] = of_shapes[instance.shape.0 as usize];
-        let corner = move |bits: u32| {
-            let pick = |axis: u32| if bits >> axis & 1 == 0 { low } else { high };
-            DVec3::new(pick(0).x, pick(1).y, pick(2).z)
-        };
-        (0..8).map(move |bits| instance.transform.transform_point3(corner(bits)))
-    });
-    Bounds::of(of_meshes.map(|p| p.as_dvec3()).chain(of_instances).filter(|p| p.is_finite()))
+    let corners = scene.bounds().into_iter().flatten().map(Vec3::as_dvec3);
+    Bounds::of(corners.filter(|corner| corner.is_finite()))
 }

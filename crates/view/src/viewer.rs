@@ -1,5 +1,7 @@
 //! What a window shows and what it was told, without the window.
 
+mod paths;
+
 use crate::choices::Choices;
 use crate::curve::{Curve, speedup};
 use crate::desk::{Desk, Order};
@@ -10,6 +12,7 @@ use crate::save;
 use crate::stage::{SceneChoice, SceneFacts};
 use crate::view::View;
 use crate::watch::Watch;
+pub use paths::ShownPath;
 use raystream::film::Film;
 use raystream::image::Display;
 use raystream::render::{AllocatorKind, FilterKind, Stop};
@@ -78,6 +81,8 @@ pub struct Viewer {
     pub pointed: Option<[u32; 2]>,
     /// The pixel that was clicked.
     pub pinned: Option<[u32; 2]>,
+    /// The path of a sample of that pixel.
+    pub path: ShownPath,
     /// Where the picture is saved.
     pub picture_path: String,
     /// Where the copy of the scene's file is saved.
@@ -118,6 +123,7 @@ impl Viewer {
             divider: 0.5,
             pointed: None,
             pinned: None,
+            path: ShownPath::default(),
             picture_path: format!("{stem}.png"),
             camera_path: camera_path.to_string_lossy().into_owned(),
             saved: None,
@@ -151,6 +157,8 @@ impl Viewer {
         if std::mem::take(&mut self.is_stale) {
             self.paint();
         }
+        self.check_pinned();
+        self.follow_path();
         self.write_picture();
         let rests_in = rests_in.filter(|time| !time.is_zero());
         [rests_in, self.follow_files(now)].into_iter().flatten().min()

@@ -102,7 +102,7 @@ fn two_are_beside_each_other_by_a_key() {
 }
 
 #[test]
-fn a_drag_orbits_and_a_click_keeps_a_pixel() {
+fn a_drag_orbits_and_a_click_keeps_a_pixel_with_its_path() {
     let Some(mut harness) = harness() else { return };
     until(&mut harness, has_ended);
     let (from, to) = (egui::pos2(300.0, 300.0), egui::pos2(380.0, 330.0));
@@ -124,6 +124,12 @@ fn a_drag_orbits_and_a_click_keeps_a_pixel() {
     assert!(harness.state().viewer().pinned.is_some());
     let rows = harness.state().viewer().inspected();
     assert!(rows.iter().any(|(name, value)| *name == "samples" && value != "0"), "{rows:?}");
+    assert!(harness.state().viewer().path.drawing().is_some(), "its path is over the picture");
+    let with_path = colors(&mut harness);
+    harness.state_mut().viewer_mut().path.is_wanted = false;
+    harness.run_steps(3);
+    assert!(harness.state().viewer().path.drawing().is_none());
+    assert_ne!(colors(&mut harness), with_path);
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Files that were given to the page, and the scene among them.
 
-use glam::Vec3;
-use raystream::scene::{Camera, Environment, FilmSize, LoadOptions, Scene, SceneError};
+use raystream::scene::{Environment, FilmSize, LoadOptions, Scene, SceneError};
 use serde_json::json;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -93,9 +92,7 @@ impl Files {
         let loaded = options.load_files(&self.0, &description);
         self.0.remove(&description);
         let mut loaded = loaded?;
-        if let Some(bounds) = loaded.bounds() {
-            loaded.camera = framing(bounds);
-        }
+        loaded.frame_all();
         if !loaded.emits() {
             loaded.set_environment(Environment::studio());
         }
@@ -117,20 +114,9 @@ fn description_of(obj: &Path) -> String {
         "obj": name(obj.file_name()),
         "normals": "smooth",
         "film": { "width": width, "height": height },
-        "camera": { "origin": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y": FOV_Y },
+        "camera": { "origin": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y": 40 },
     })
     .to_string()
-}
-
-/// Vertical angle of view of an OBJ's camera, in degrees.
-const FOV_Y: f32 = 35.0;
-
-/// A camera from which a box is seen as a whole: from the front, a little from the right and from
-/// above.
-fn framing([low, high]: [Vec3; 2]) -> Camera {
-    let (middle, radius) = (0.5 * (low + high), 0.5 * (high - low).length());
-    let distance = radius.max(f32::MIN_POSITIVE) / (FOV_Y.to_radians() / 2.0).sin();
-    Camera::new(middle + Vec3::new(0.5, 0.4, 1.0).normalize() * distance, middle, FOV_Y)
 }
 
 fn listed(paths: &[&Path]) -> String {
@@ -144,6 +130,10 @@ fn listed(paths: &[&Path]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
+    use raystream::render::scene::camera::camera as on_film;
+    use raystream_shaders::scene::abilities::{ALL, Fixed};
+    use raystream_shaders::scene::camera::NO_PIXEL;
 
     const OBJ: &str =
         "mtllib Box.mtl\nv -1 0 0\nv 3 0 0\nv 3 2 0\nv -1 2 -1\nusemtl red\nf 1 2 3 4\n";
@@ -178,11 +168,13 @@ mod tests {
         let scene = files.load(Path::new("d/box.obj")).unwrap();
         assert_eq!((scene.name.as_str(), scene.triangle_count()), ("box", 2));
         assert!(scene.environment.is_some());
-        let Camera { origin, target, .. } = scene.camera;
-        assert_eq!(target, Vec3::new(1.0, 1.0, -0.5));
-        // Half of the diagonal, (4, 2, 1), by the sine of half the angle.
-        let distance = 0.5 * 21_f32.sqrt() / 17.5_f32.to_radians().sin();
-        assert!((origin.distance(target) - distance).abs() < 1e-4);
+        let camera = on_film(&scene.camera, scene.film);
+        let is_seen = |corner: &Vec3| {
+            let sight = camera.sight(Fixed::<ALL>, *corner, [0.5; 2]);
+            sight.is_ahead && camera.pixel_at(sight.place) != NO_PIXEL
+        };
+        assert!(scene.meshes.iter().all(|mesh| mesh.positions.iter().all(is_seen)));
+        assert!(!is_seen(&Vec3::new(9.0, 0.0, 0.0)));
         assert_eq!(files.0.len(), 3, "nothing is left behind");
     }
 

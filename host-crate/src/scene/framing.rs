@@ -16,10 +16,13 @@ const MARGIN: f32 = 1.08;
 /// How warnings end of scenes whose file has no camera.
 pub(super) const FRAMED: &str = "the picture is taken from where all of it is seen.";
 
-/// Puts the camera of a scene where all of its meshes are in the picture, in the default size.
-pub(super) fn frame(scene: &mut Scene) {
-    scene.film = FilmSize::default();
-    scene.camera = around(scene);
+impl Scene {
+    /// Puts the camera where all meshes and instances are in the picture, which has the default
+    /// size: before them, a little to the right and above.
+    pub fn frame_all(&mut self) {
+        self.film = FilmSize::default();
+        self.camera = around(self);
+    }
 }
 
 /// A camera that sees all of the meshes in a picture of the film's size.
@@ -58,7 +61,7 @@ mod tests {
             let corners = [Vec3::ZERO, Vec3::new(4.0, 1.0, 0.0), Vec3::new(0.0, 3.0, -2.0)];
             let positions = corners.map(|corner| at + corner * scale).to_vec();
             scene.add_mesh(Mesh::new(grey, positions.clone(), vec![[0, 1, 2]]));
-            frame(&mut scene);
+            scene.frame_all();
             let Camera { origin, target, projection, .. } = scene.camera;
             let Projection::Perspective { fov_y, .. } = projection else {
                 panic!("{projection:?}");

@@ -1,53 +1,9 @@
 //! Runs of the program in a folder of their own.
 
+pub use raystream_tests::Run;
 use std::ffi::OsStr;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
-
-/// How a run ended.
-pub struct Run {
-    /// Exit status; none after a signal.
-    pub status: Option<i32>,
-    pub stdout: String,
-    pub stderr: String,
-}
-
-impl Run {
-    pub fn new(output: Output) -> Self {
-        let text =
-            |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("the program writes UTF-8");
-        Self {
-            status: output.status.code(),
-            stdout: text(&output.stdout),
-            stderr: text(&output.stderr),
-        }
-    }
-
-    /// It ended well.
-    #[track_caller]
-    pub fn succeeded(self) -> Self {
-        assert_eq!(self.status, Some(0), "stdout: {}\nstderr: {}", self.stdout, self.stderr);
-        self
-    }
-
-    /// It failed with status 2 and an error that says all of `parts`.
-    #[track_caller]
-    pub fn failed(self, parts: &[&str]) -> Self {
-        assert_eq!(self.status, Some(2), "stdout: {}\nstderr: {}", self.stdout, self.stderr);
-        assert!(self.stderr.lines().any(|line| line.starts_with("error: ")), "{}", self.stderr);
-        assert!(!self.stderr.contains("a bug in raystream"), "{}", self.stderr);
-        self.says(parts)
-    }
-
-    /// Stderr says all of `parts`.
-    #[track_caller]
-    pub fn says(self, parts: &[&str]) -> Self {
-        for part in parts {
-            assert!(self.stderr.contains(part), "{:?} does not say {part:?}", self.stderr);
-        }
-        self
-    }
-}
+use std::process::{Command, Stdio};
 
 /// The program with `arguments`, in `folder`, with nothing to read from stdin.
 pub fn program<A: AsRef<OsStr>>(folder: &Path, arguments: &[A]) -> Command {

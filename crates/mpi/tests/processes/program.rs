@@ -1,5 +1,6 @@
 //! Runs of the program by several processes, none of them for ever.
 
+use raystream_tests::Run;
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -9,36 +10,6 @@ use std::time::{Duration, Instant};
 
 /// A run that takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(180);
-
-/// How a run ended.
-pub struct Run {
-    /// Exit status; none after a signal.
-    pub status: Option<i32>,
-    pub stdout: String,
-    pub stderr: String,
-}
-
-impl Run {
-    /// It ended well.
-    #[track_caller]
-    pub fn succeeded(self) -> Self {
-        assert_eq!(self.status, Some(0), "stdout: {}\nstderr: {}", self.stdout, self.stderr);
-        self
-    }
-
-    /// It failed with status 2 and one error, which says all of `parts`.
-    #[track_caller]
-    pub fn failed(self, parts: &[&str]) -> Self {
-        assert_eq!(self.status, Some(2), "stdout: {}\nstderr: {}", self.stdout, self.stderr);
-        let errors: Vec<_> =
-            self.stderr.lines().filter(|line| line.starts_with("error: ")).collect();
-        assert_eq!(errors.len(), 1, "{}", self.stderr);
-        for part in parts {
-            assert!(errors[0].contains(part), "{:?} does not say {part:?}", errors[0]);
-        }
-        self
-    }
-}
 
 /// A run under way.
 pub struct Running {

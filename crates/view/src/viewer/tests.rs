@@ -5,7 +5,7 @@ use crate::choices::Stops;
 use crate::thread::RenderThread;
 use raystream::scene::FilmSize;
 
-fn viewer(name: &str) -> (Viewer, RenderThread) {
+pub(super) fn viewer(name: &str) -> (Viewer, RenderThread) {
     let desk = Arc::new(Desk::new(|| ()));
     let size = Some(FilmSize { width: 32, height: 24 });
     let scene = SceneChoice { name: name.into(), size, ..SceneChoice::default() };
@@ -15,7 +15,7 @@ fn viewer(name: &str) -> (Viewer, RenderThread) {
     (Viewer::new(desk, scene, order), thread)
 }
 
-fn until(viewer: &mut Viewer, is_wanted: impl Fn(&Viewer) -> bool) {
+pub(super) fn until(viewer: &mut Viewer, is_wanted: impl Fn(&Viewer) -> bool) {
     let start = Instant::now();
     while !is_wanted(viewer) {
         assert!(start.elapsed() < Duration::from_secs(60), "{:?}", viewer.activity);
@@ -24,7 +24,7 @@ fn until(viewer: &mut Viewer, is_wanted: impl Fn(&Viewer) -> bool) {
     }
 }
 
-fn has_ended(viewer: &Viewer) -> bool {
+pub(super) fn has_ended(viewer: &Viewer) -> bool {
     viewer.stop().is_some() && *viewer.activity() == Activity::Ended
 }
 

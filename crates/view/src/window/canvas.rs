@@ -1,6 +1,6 @@
 //! The picture, and what hands do with it.
 
-use super::{legend, style};
+use super::{legend, path, style};
 use crate::view::Rectangle;
 use crate::viewer::Viewer;
 use eframe::egui::{
@@ -94,6 +94,12 @@ fn draw(ui: &Ui, viewer: &Viewer, textures: &[Option<TextureHandle>; 2], place: 
     }
     if viewer.compares() {
         draw_divider(ui, viewer, place);
+    }
+    if let Some(drawing) = viewer.path.drawing() {
+        path::draw(painter, drawing, |at| {
+            let [x, y] = viewer.view.point(place.room, place.size, at);
+            pos2(x, y)
+        });
     }
     if let Some(pixel) = viewer.pinned {
         mark(ui, viewer, place, pixel, Color32::WHITE);

@@ -210,16 +210,39 @@ fn pixel(ui: &mut Ui, viewer: &mut Viewer) {
         ui.weak("point at the picture; click to keep a pixel");
         return;
     }
-    Grid::new("pixel").num_columns(2).spacing([10.0, 3.0]).show(ui, |ui| {
+    self::rows(ui, "pixel", rows);
+    if viewer.pinned.is_some() {
+        path(ui, viewer);
+        if ui.small_button("let go").clicked() {
+            viewer.pinned = None;
+        }
+    }
+}
+
+/// The path of a sample of the pixel that is kept.
+fn path(ui: &mut Ui, viewer: &mut Viewer) {
+    let samples = viewer.samples_of_pinned();
+    ui.horizontal(|ui| {
+        let label = ui.checkbox(&mut viewer.path.is_wanted, "path of sample");
+        let mut sample = viewer.path.sample.min(samples.max(1));
+        let value = DragValue::new(&mut sample).range(1..=samples.max(1));
+        if ui.add_enabled(samples > 1, value).labelled_by(label.id).changed() {
+            viewer.path.sample = sample;
+        }
+        ui.label(format!("of {samples}"));
+    });
+    rows(ui, "path", viewer.inspected_path());
+}
+
+/// Names and values.
+fn rows(ui: &mut Ui, id: &str, rows: Vec<(&'static str, String)>) {
+    Grid::new(id).num_columns(2).spacing([10.0, 3.0]).show(ui, |ui| {
         for (name, value) in rows {
             ui.weak(name);
             ui.monospace(value);
             ui.end_row();
         }
     });
-    if viewer.pinned.is_some() && ui.small_button("let go").clicked() {
-        viewer.pinned = None;
-    }
 }
 
 fn save(ui: &mut Ui, viewer: &mut Viewer) {

@@ -4,6 +4,7 @@ mod canvas;
 mod controls;
 mod keys;
 mod legend;
+mod path;
 mod plot;
 mod screenshot;
 mod style;

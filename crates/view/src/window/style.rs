@@ -6,6 +6,10 @@ use eframe::egui::{Color32, Context, FontId, TextStyle, ThemePreference, Visuals
 pub const BACKGROUND: Color32 = Color32::from_gray(24);
 /// The renders beside each other, in the curves and wherever they are named.
 pub const SIDES: [Color32; 2] = [Color32::from_rgb(255, 166, 77), Color32::from_rgb(102, 178, 255)];
+/// Lines from a path to lights that are seen.
+pub const LIGHT: Color32 = Color32::from_rgb(255, 221, 89);
+/// Lines from a path to lights that something hides.
+pub const SHADOW: Color32 = Color32::from_gray(160);
 /// What has gone wrong.
 pub const WRONG: Color32 = Color32::from_rgb(255, 110, 100);
 /// What has gone well.

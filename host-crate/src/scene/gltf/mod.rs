@@ -38,7 +38,7 @@ use super::description::Scene;
 use super::environment::{Environment, LIT_BY_DEFAULT};
 use super::error::SceneError;
 use super::film::FilmSize;
-use super::framing::{self, FRAMED};
+use super::framing::FRAMED;
 use super::material::Material;
 use super::options::LoadOptions;
 use super::recentre::origin_of;
@@ -87,7 +87,7 @@ pub(super) fn load(
     match scene.cameras.first() {
         Some(first) => (scene.camera, scene.film) = (first.camera, first.film),
         None => {
-            framing::frame(&mut scene);
+            scene.frame_all();
             scene.warnings.push(format!("{path}: it has no camera that is shown; {FRAMED}"));
         }
     }

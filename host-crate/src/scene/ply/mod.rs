@@ -10,7 +10,7 @@ use crate::scene::description::Scene;
 use crate::scene::environment::{Environment, LIT_BY_DEFAULT};
 use crate::scene::error::SceneError;
 use crate::scene::film::FilmSize;
-use crate::scene::framing::{self, FRAMED};
+use crate::scene::framing::FRAMED;
 use crate::scene::material::Material;
 use crate::scene::obj::texture_map::TextureMap;
 use crate::scene::obj::{NO_MATERIAL, Obj, Part, Placement};
@@ -57,7 +57,7 @@ pub(in crate::scene) fn load(
         cleaner.clean(&mut mesh);
         scene.add_mesh(mesh);
     }
-    framing::frame(&mut scene);
+    scene.frame_all();
     scene.set_environment(Environment::studio());
     let path = path.display();
     let mut warn = |what: String| scene.warnings.push(format!("{path}: {what}"));
