@@ -4,7 +4,7 @@ use super::material::{
     BumpMap, Channel, Maps, Material, NormalMap, Opacity, Principled, Reflectance,
 };
 use super::obj::texture_map::TextureMap;
-use super::texture::{Texture, TextureFilter, TextureId};
+use super::texture::{CoordinateSet, Texture, TextureFilter, TextureId};
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -48,6 +48,8 @@ pub(super) struct TextureFile {
     pub filter: TextureFilter,
     /// Where it lies on the surface.
     pub map: TextureMap,
+    /// The texture coordinates that it takes.
+    pub set: CoordinateSet,
 }
 
 /// What a texture says of a material.

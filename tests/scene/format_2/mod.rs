@@ -1,6 +1,7 @@
 //! Scene files of format 2, and the schema of them that ships.
 
 mod schema;
+mod second_coordinates;
 mod wrong;
 
 use glam::{Vec2, Vec3};

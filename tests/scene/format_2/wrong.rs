@@ -58,6 +58,11 @@ fn what_is_wrong_with_textures_is_named() {
             &["unknown variant `cubic`", "`nearest`"],
         ),
         (
+            "/materials/glow/textures/emission/set",
+            json!("third"),
+            &["unknown variant `third`", "`first`", "`second`"],
+        ),
+        (
             "/materials/glow/textures/sheen",
             json!({"file": "t.png", "transform": {"scale": [1]}}),
             &["two numbers"],

@@ -8,7 +8,7 @@ use crate::scene::clean::Cleaner;
 use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::material::MaterialId;
-use crate::scene::obj::texture_map::TextureMap;
+use crate::scene::obj::texture_map::Laid;
 use crate::scene::obj::{Obj, Part, Placement};
 use crate::scene::options::{LoadOptions, is_worth_keeping};
 use crate::scene::picture::Pictures;
@@ -61,12 +61,15 @@ impl<'a> Parts<'a> {
 
     /// Adds a part and its material.
     pub(super) fn add(&mut self, part: &Part, scene: &mut Scene) -> Result<(), SceneError> {
-        let Some((material, map)) = self.surfaces.of(part, scene)? else { return Ok(()) };
+        let Some((material, laid)) = self.surfaces.of(part, scene)? else { return Ok(()) };
         let [v, vt, vn] = part.unusable;
-        if let Some(line) = v.or(vt.filter(|_| map.is_some())).or(vn) {
+        if let Some(line) = v.or(vt.filter(|_| laid.is_some())).or(vn) {
             return Err(Obj::unusable(self.sources.obj_path, self.obj_text, line));
         }
-        self.place(part, material, map.as_ref(), scene)
+        if laid.is_some_and(|laid| laid.takes_second) && part.second_coordinates.is_none() {
+            return Err(self.without_second());
+        }
+        self.place(part, material, laid.as_ref(), scene)
     }
 
     /// Adds a part of this material in all of its places.
@@ -74,7 +77,7 @@ impl<'a> Parts<'a> {
         &mut self,
         part: &Part,
         material: MaterialId,
-        map: Option<&TextureMap>,
+        laid: Option<&Laid>,
         scene: &mut Scene,
     ) -> Result<(), SceneError> {
         let is_near = |place: DVec3| place.abs().max_element() <= MAX_COORDINATE;
@@ -89,7 +92,7 @@ impl<'a> Parts<'a> {
             self.surfaces.note(part, Fate::WithoutEffect, "colours of vertices");
         }
         let mesh = |placement: &Placement| {
-            let mut mesh = part.mesh(material, placement, map);
+            let mut mesh = part.mesh(material, placement, laid);
             mesh.colours = mesh.colours.filter(|_| takes_colours);
             mesh
         };
@@ -108,6 +111,14 @@ impl<'a> Parts<'a> {
         let transforms: Vec<DAffine3> = instances.iter().map(|t| taken_off * *t).collect();
         scene.add_repeated(shape, &transforms);
         Ok(())
+    }
+
+    /// The error of a part without the second texture coordinates that a texture takes.
+    fn without_second(&self) -> SceneError {
+        let key = format!("{}file", self.sources.rules.place);
+        let what = "has no second texture coordinates, which a texture of its material takes by \
+                    `\"set\": \"second\"`: name a PLY whose vertices have s1 and t1 besides s and t";
+        super::wrong_key(self.sources.names.scene, &key, what)
     }
 
     /// The error of a part that is too far away.

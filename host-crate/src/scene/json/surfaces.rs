@@ -9,7 +9,7 @@ use crate::scene::description::Scene;
 use crate::scene::error::SceneError;
 use crate::scene::material::{Material, MaterialId};
 use crate::scene::obj::mtl::{self, Describer, Library};
-use crate::scene::obj::texture_map::TextureMap;
+use crate::scene::obj::texture_map::{Laid, TextureMap};
 use crate::scene::obj::{Obj, Part};
 use crate::scene::options::LoadOptions;
 use crate::scene::picture::Pictures;
@@ -17,7 +17,7 @@ use crate::scene::rule::{MaterialRule, Slot, TextureFile, TexturedRule};
 use crate::scene::source::parent;
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
-use crate::scene::texture::TextureId;
+use crate::scene::texture::{CoordinateSet, TextureId};
 use glam::Vec3;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
@@ -63,7 +63,7 @@ struct Textured {
     /// What it is without them.
     material: Material,
     textures: Vec<(Slot, TextureId)>,
-    map: TextureMap,
+    laid: Laid,
     /// Of triangles with texture coordinates, and of those without.
     materials: [Option<MaterialId>; 2],
 }
@@ -100,13 +100,13 @@ impl<'a> Surfaces<'a> {
         Ok(())
     }
 
-    /// The material of a part, and where its texture coordinates lie if they count; none where the
+    /// The material of a part, and how its texture coordinates lie if they count; none where the
     /// part is left out.
     pub(super) fn of(
         &mut self,
         part: &Part,
         scene: &mut Scene,
-    ) -> Result<Option<(MaterialId, Option<TextureMap>)>, SceneError> {
+    ) -> Result<Option<(MaterialId, Option<Laid>)>, SceneError> {
         let mut surface = match self.surfaces.remove(&part.material) {
             Some(surface) => surface,
             None => self.surface(&part.material, scene)?,
@@ -115,8 +115,8 @@ impl<'a> Surfaces<'a> {
             Surface::Null => None,
             Surface::Plain(id) => Some((*id, self.map_of_grain(*id, part, scene))),
             Surface::Textured(textured) => {
-                let map = part.has_texture_coordinates.then_some(textured.map);
-                Some((self.textured_material(textured, part, scene), map))
+                let laid = part.has_texture_coordinates.then_some(textured.laid);
+                Some((self.textured_material(textured, part, scene), laid))
             }
         };
         self.surfaces.insert(part.material.clone(), surface);
@@ -130,7 +130,7 @@ impl<'a> Surfaces<'a> {
     }
 
     /// Where texture coordinates lie that say along what a material without textures is rougher.
-    fn map_of_grain(&mut self, id: MaterialId, part: &Part, scene: &Scene) -> Option<TextureMap> {
+    fn map_of_grain(&mut self, id: MaterialId, part: &Part, scene: &Scene) -> Option<Laid> {
         if !scene.materials[id.0 as usize].has_grain() {
             return None;
         }
@@ -138,7 +138,7 @@ impl<'a> Surfaces<'a> {
             self.note(part, Fate::WithoutGrain, &faces_of(part));
             return None;
         }
-        Some(TextureMap::default())
+        Some(Laid::default())
     }
 
     /// The material of the triangles of a part: with the texture, or else of its mean colour.
@@ -218,7 +218,7 @@ impl<'a> Surfaces<'a> {
         let name = name.to_string();
         let mut material = rule.material;
         let mut textures = Vec::new();
-        for TextureFile { slot, line, path, filter, map } in &rule.textures {
+        for TextureFile { slot, line, path, filter, map, set } in &rule.textures {
             let file =
                 rule.otherwise.as_ref().map_or(self.sources.names.scene, |o| o.mtl.as_path());
             match (self.pictures.load(self.sources.names.source, path, *filter), &rule.otherwise) {
@@ -237,7 +237,7 @@ impl<'a> Surfaces<'a> {
                         let thing = format!("alpha of {}", path.display());
                         self.summary.note(file, *line, Fate::Opaque, &thing, &name);
                     }
-                    textures.push((*slot, texture, *map));
+                    textures.push((*slot, texture, (*map, *set)));
                 }
                 (Err(error), Some(otherwise)) => {
                     let fate = match slot {
@@ -254,28 +254,30 @@ impl<'a> Surfaces<'a> {
         if textures.is_empty() {
             return Ok(Surface::Plain(scene.add_material(material)));
         }
-        let (map, textures) = self.laid(textures);
+        let (laid, textures) = self.laid(textures);
         let materials = [None; 2];
-        Ok(Surface::Textured(Box::new(Textured { material, textures, map, materials })))
+        Ok(Surface::Textured(Box::new(Textured { material, textures, laid, materials })))
     }
 
     /// Where texture coordinates lie: as all textures do, or else where they are, and the textures
     /// lie by themselves.
     fn laid(
         &mut self,
-        textures: Vec<(Slot, TextureId, TextureMap)>,
-    ) -> (TextureMap, Vec<(Slot, TextureId)>) {
-        let first = textures.first().map_or_else(TextureMap::default, |(_, _, map)| *map);
-        if textures.iter().all(|(_, _, map)| *map == first) {
+        textures: Vec<(Slot, TextureId, (TextureMap, CoordinateSet))>,
+    ) -> (Laid, Vec<(Slot, TextureId)>) {
+        let map = textures.first().map_or_else(TextureMap::default, |(_, _, (map, _))| *map);
+        if textures.iter().all(|(_, _, place)| *place == (map, CoordinateSet::First)) {
             return (
-                first,
+                Laid { map, takes_second: false },
                 textures.into_iter().map(|(slot, texture, _)| (slot, texture)).collect(),
             );
         }
-        let placed = |(slot, texture, map): (Slot, TextureId, TextureMap)| {
-            (slot, self.pictures.placed(texture, map.placement()))
-        };
-        (TextureMap::default(), textures.into_iter().map(placed).collect())
+        let takes_second = textures.iter().any(|(_, _, (_, set))| *set == CoordinateSet::Second);
+        let placed =
+            |(slot, texture, (map, set)): (Slot, TextureId, (TextureMap, CoordinateSet))| {
+                (slot, self.pictures.placed(texture, map.placement(set)))
+            };
+        (Laid { takes_second, ..Laid::default() }, textures.into_iter().map(placed).collect())
     }
 
     /// The names of the materials of these numbers, if there are any.

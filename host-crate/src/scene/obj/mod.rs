@@ -74,6 +74,7 @@ impl Obj {
                 faces: group.faces,
                 first_line: group.first_line,
                 has_texture_coordinates: group.has[VT],
+                second_coordinates: None,
                 has_normals: group.has[VN],
                 unusable: group.unusable,
                 dangling: [group.dangling[VT], group.dangling[VN]],

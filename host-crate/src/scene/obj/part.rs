@@ -1,7 +1,7 @@
 //! The triangles of one material.
 
 use super::polygon::Cutter;
-use super::texture_map::TextureMap;
+use super::texture_map::Laid;
 use crate::color::srgb_decode;
 use crate::scene::bounds::MAX_COORDINATE;
 use crate::scene::material::MaterialId;
@@ -20,6 +20,8 @@ pub(in crate::scene) struct Part {
     pub first_line: usize,
     /// Whether every corner has a texture coordinate; else none has.
     pub has_texture_coordinates: bool,
+    /// Second texture coordinates of the vertices, where there are first ones.
+    pub second_coordinates: Option<Vec<DVec2>>,
     /// Whether every corner has a normal; else none has.
     pub has_normals: bool,
     /// The lines of a vertex, a texture coordinate and a normal that are unusable, if any corner
@@ -47,14 +49,13 @@ impl Part {
         self.mesh.positions.chunks_exact(3).map(DVec3::from_slice)
     }
 
-    /// Its triangles where `placement` has them, with its normals and colours if there are any,
-    /// and with the
-    /// texture coordinates that `map` makes of its own, if wanted.
+    /// Its triangles where `placement` has them, with its normals and colours if there are any, and
+    /// with the texture coordinates that are wanted, `laid` as textures lie.
     pub(in crate::scene) fn mesh(
         &self,
         material: MaterialId,
         placement: &Placement,
-        map: Option<&TextureMap>,
+        laid: Option<&Laid>,
     ) -> Mesh {
         let mut triangles = self.triangles();
         if placement.mirrors() {
@@ -70,10 +71,14 @@ impl Part {
             DVec2::from_slice(&self.mesh.texcoords[2 * texcoord_indices[corner] as usize..])
         };
         let colour = |corner: usize| self.colour(indices[corner] as usize);
+        let second = self.second_coordinates.as_ref().map(|second| {
+            let at = |corner: usize| second[indices[corner] as usize];
+            triangles.iter().map(|corners| near_zero(corners.map(at))).collect()
+        });
         Mesh {
             material,
             tangents: None,
-            second_coordinates: None,
+            second_coordinates: laid.filter(|laid| laid.takes_second).and(second),
             colours: self
                 .has_colours()
                 .then(|| triangles.iter().map(|corners| corners.map(colour)).collect()),
@@ -82,10 +87,10 @@ impl Part {
             normals: self
                 .has_normals
                 .then(|| triangles.iter().map(|corners| corners.map(normal)).collect()),
-            texture_coordinates: map.filter(|_| self.has_texture_coordinates).map(|map| {
+            texture_coordinates: laid.filter(|_| self.has_texture_coordinates).map(|laid| {
                 triangles
                     .iter()
-                    .map(|corners| near_zero(corners.map(uv).map(|uv| map.of(uv))))
+                    .map(|corners| near_zero(corners.map(uv).map(|uv| laid.map.of(uv))))
                     .collect()
             }),
         }

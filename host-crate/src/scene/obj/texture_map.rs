@@ -1,6 +1,6 @@
 //! Where a texture lies on a surface.
 
-use crate::scene::texture::Placement;
+use crate::scene::texture::{CoordinateSet, Placement};
 use glam::{DMat2, DVec2};
 
 /// What is done to texture coordinates before a texture is looked up.
@@ -12,6 +12,15 @@ pub(in crate::scene) struct TextureMap {
     pub rotation: f64,
     /// and then this is added.
     pub offset: DVec2,
+}
+
+/// How texture coordinates lie on a surface, and which of them are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::scene) struct Laid {
+    /// What is done to the first ones.
+    pub map: TextureMap,
+    /// Whether a texture takes the second ones, which lie as the file says.
+    pub takes_second: bool,
 }
 
 impl Default for TextureMap {
@@ -30,10 +39,9 @@ impl TextureMap {
         DVec2::from_angle(self.rotation).rotate(scaled) + self.offset
     }
 
-    /// The same, for a texture to do that itself.
-    pub(in crate::scene) fn placement(&self) -> Placement {
+    /// The same, for a texture of this `set` of coordinates to do that itself.
+    pub(in crate::scene) fn placement(&self, set: CoordinateSet) -> Placement {
         let matrix = DMat2::from_angle(self.rotation) * DMat2::from_diagonal(self.scale);
-        let (matrix, offset) = (matrix.as_mat2(), self.offset.as_vec2());
-        Placement { matrix, offset, ..Placement::default() }
+        Placement { set, matrix: matrix.as_mat2(), offset: self.offset.as_vec2() }
     }
 }

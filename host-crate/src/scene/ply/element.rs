@@ -16,6 +16,7 @@ pub(super) struct Vertex {
     pub position: [f64; 3],
     pub normal: [f64; 3],
     pub texture_coordinates: [f64; 2],
+    pub second_coordinates: [f64; 2],
     /// Red, green, blue and alpha; numbers that are integers in the file are shares of the largest.
     pub colour: [f64; 4],
 }
@@ -26,6 +27,7 @@ impl Default for Vertex {
             position: [0.0; 3],
             normal: [0.0; 3],
             texture_coordinates: [0.0; 2],
+            second_coordinates: [0.0; 2],
             colour: [1.0; 4],
         }
     }
@@ -58,6 +60,8 @@ impl PropertyAccess for Vertex {
             "nz" => &mut self.normal[2],
             "u" | "s" | "texture_u" | "texture_s" => &mut self.texture_coordinates[0],
             "v" | "t" | "texture_v" | "texture_t" => &mut self.texture_coordinates[1],
+            "u1" | "s1" => &mut self.second_coordinates[0],
+            "v1" | "t1" => &mut self.second_coordinates[1],
             _ => {
                 let Some(channel) = channel(name) else { return PropertyAccessResult::Ignored };
                 self.colour[channel] = value / largest;
@@ -95,16 +99,20 @@ impl PropertyAccess for Face {
 pub(super) struct Has {
     pub normals: bool,
     pub texture_coordinates: bool,
+    /// A second set of them, beside the first.
+    pub second_coordinates: bool,
     pub colours: bool,
 }
 
 impl Has {
     pub(super) fn of(element: &ElementDef, normals: bool) -> Self {
         let has = |names: &[&str]| names.iter().any(|name| element.properties.contains_key(*name));
+        let texture_coordinates = has(&["u", "s", "texture_u", "texture_s"])
+            && has(&["v", "t", "texture_v", "texture_t"]);
         Self {
+            texture_coordinates,
+            second_coordinates: texture_coordinates && has(&["u1", "s1"]) && has(&["v1", "t1"]),
             normals: normals && has(&["nx"]) && has(&["ny"]) && has(&["nz"]),
-            texture_coordinates: has(&["u", "s", "texture_u", "texture_s"])
-                && has(&["v", "t", "texture_v", "texture_t"]),
             colours: (0..3)
                 .all(|wanted| element.properties.keys().any(|name| channel(name) == Some(wanted))),
         }

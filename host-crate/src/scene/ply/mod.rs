@@ -12,13 +12,13 @@ use crate::scene::error::SceneError;
 use crate::scene::film::FilmSize;
 use crate::scene::framing::FRAMED;
 use crate::scene::material::Material;
-use crate::scene::obj::texture_map::TextureMap;
+use crate::scene::obj::texture_map::Laid;
 use crate::scene::obj::{NO_MATERIAL, Obj, Part, Placement};
 use crate::scene::options::LoadOptions;
 use crate::scene::recentre::origin_of;
 use crate::scene::source::SceneBytes;
 use crate::scene::text::Name;
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess, PropertyType, ScalarType};
 use std::path::Path;
@@ -28,7 +28,7 @@ const PAINT: Vec3 = Vec3::splat(0.5);
 /// Memory that each triangle takes at the peak, by an estimate; that of an OBJ was measured.
 const PER_TRIANGLE: u64 = 400;
 /// Memory that each vertex takes.
-const PER_VERTEX: u64 = 200;
+const PER_VERTEX: u64 = 232;
 
 /// Whether a file is a PLY.
 pub(in crate::scene) fn is_ply(bytes: &[u8]) -> bool {
@@ -52,8 +52,8 @@ pub(in crate::scene) fn load(
     let paint = scene.add_material(Material::diffuse(paint));
     let mut cleaner = Cleaner::new(false);
     for part in &geometry.parts {
-        let map = part.has_texture_coordinates.then(TextureMap::default);
-        let mut mesh = part.mesh(paint, &Placement { transform: None, origin }, map.as_ref());
+        let laid = part.has_texture_coordinates.then(Laid::default);
+        let mut mesh = part.mesh(paint, &Placement { transform: None, origin }, laid.as_ref());
         cleaner.clean(&mut mesh);
         scene.add_mesh(mesh);
     }
@@ -231,6 +231,7 @@ impl Gathered {
             faces: mesh.face_arities.len(),
             first_line: 0,
             has_texture_coordinates: has.texture_coordinates,
+            second_coordinates: has.second_coordinates.then(|| second_coordinates(&vertices)),
             has_normals: has.normals,
             unusable: [None; 3],
             dangling: [(0, 0); 2],
@@ -310,7 +311,6 @@ impl Gathered {
                 mesh.vertex_color.extend(colour.map(share));
             }
             if self.has.texture_coordinates {
-                let usable = |value: f64| if value.abs() <= 1e12 { value } else { 0.0 };
                 mesh.texcoords.extend(vertex.texture_coordinates.map(usable));
             }
         }
@@ -321,4 +321,14 @@ impl Gathered {
             mesh.texcoord_indices.clone_from(&mesh.indices);
         }
     }
+}
+
+/// The second texture coordinates of vertices.
+fn second_coordinates(vertices: &[Vertex]) -> Vec<DVec2> {
+    vertices.iter().map(|vertex| DVec2::from(vertex.second_coordinates.map(usable))).collect()
+}
+
+/// A texture coordinate, or 0 where it is none.
+fn usable(coordinate: f64) -> f64 {
+    if coordinate.abs() <= 1e12 { coordinate } else { 0.0 }
 }

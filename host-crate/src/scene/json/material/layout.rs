@@ -56,6 +56,7 @@ fn pair(numbers: &[f64]) -> Result<DVec2, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::texture::CoordinateSet;
     use glam::Vec2;
 
     fn layout(json: &str) -> Result<TextureMap, String> {
@@ -65,7 +66,9 @@ mod tests {
 
     #[test]
     fn steps_are_taken_in_order() {
-        let at = |json: &str, u: f32, v: f32| layout(json).unwrap().placement().of(Vec2::new(u, v));
+        let at = |json: &str, u: f32, v: f32| {
+            layout(json).unwrap().placement(CoordinateSet::First).of(Vec2::new(u, v))
+        };
         let close = |a: Vec2, x: f32, y: f32| assert!((a - Vec2::new(x, y)).length() < 1e-6, "{a}");
         close(at("{}", 0.25, 0.5), 0.25, 0.5);
         close(at(r#"{"scale": 2, "translate": [1, 0]}"#, 0.25, 0.5), 1.5, 1.0);

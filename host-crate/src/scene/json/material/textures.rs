@@ -3,7 +3,7 @@
 use super::layout::Layout;
 use crate::scene::json::values::{Colour, Height, Object, Slope, present};
 use crate::scene::rule::{Slot, TextureFile};
-use crate::scene::texture::TextureFilter;
+use crate::scene::texture::{CoordinateSet, TextureFilter};
 use serde::de::{MapAccess, SeqAccess, Visitor, value};
 use serde::{Deserialize, Deserializer};
 use std::path::PathBuf;
@@ -39,10 +39,13 @@ impl<'de> Deserialize<'de> for Albedo {
                     filter: FilterKey,
                     #[serde(default)]
                     transform: Object<Layout>,
+                    #[serde(default)]
+                    set: SetKey,
                 }
                 let keys = TextureKeys::deserialize(value::MapAccessDeserializer::new(keys))?;
-                let path = PathBuf::from(keys.texture);
-                Ok(Albedo::Texture(texture_file(Slot::Colour, path, (keys.filter, keys.transform))))
+                let TextureKeys { texture, filter, transform, set } = keys;
+                let path = PathBuf::from(texture);
+                Ok(Albedo::Texture(texture_file(Slot::Colour, path, (filter, transform, set))))
             }
         }
 
@@ -93,6 +96,8 @@ struct ChannelKeys {
     filter: FilterKey,
     #[serde(default)]
     transform: Object<Layout>,
+    #[serde(default)]
+    set: SetKey,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -114,6 +119,8 @@ struct NormalKeys {
     filter: FilterKey,
     #[serde(default)]
     transform: Object<Layout>,
+    #[serde(default)]
+    set: SetKey,
 }
 
 #[derive(Deserialize)]
@@ -125,6 +132,8 @@ struct BumpKeys {
     filter: FilterKey,
     #[serde(default)]
     transform: Object<Layout>,
+    #[serde(default)]
+    set: SetKey,
 }
 
 #[derive(Deserialize)]
@@ -135,6 +144,8 @@ struct FileKeys {
     filter: FilterKey,
     #[serde(default)]
     transform: Object<Layout>,
+    #[serde(default)]
+    set: SetKey,
 }
 
 /// What is seen between texels.
@@ -146,17 +157,30 @@ enum FilterKey {
     Nearest,
 }
 
+/// The texture coordinates that a texture takes.
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SetKey {
+    #[default]
+    First,
+    Second,
+}
+
 /// A texture that a scene file names.
 fn texture_file(
     slot: Slot,
     path: PathBuf,
-    (filter, Object(Layout(map))): (FilterKey, Object<Layout>),
+    (filter, Object(Layout(map)), set): (FilterKey, Object<Layout>, SetKey),
 ) -> TextureFile {
+    let set = match set {
+        SetKey::First => CoordinateSet::First,
+        SetKey::Second => CoordinateSet::Second,
+    };
     let filter = match filter {
         FilterKey::Linear => TextureFilter::Linear,
         FilterKey::Nearest => TextureFilter::Nearest,
     };
-    TextureFile { slot, line: 0, path, filter, map }
+    TextureFile { slot, line: 0, path, filter, map, set }
 }
 
 /// The key within a material that names the file of a texture.
@@ -184,23 +208,24 @@ impl TextureKeys {
     /// All of them.
     pub fn files(self) -> impl Iterator<Item = TextureFile> {
         let share = |slot: fn(u32) -> Slot| {
-            move |Object(ChannelKeys { file, channel, filter, transform })| {
-                texture_file(slot(channel as u32), file, (filter, transform))
+            move |Object(ChannelKeys { file, channel, filter, transform, set })| {
+                texture_file(slot(channel as u32), file, (filter, transform, set))
             }
         };
         let normals = |slot: fn(f32) -> Slot| {
-            move |Object(NormalKeys { file, scale, filter, transform })| {
+            move |Object(NormalKeys { file, scale, filter, transform, set })| {
                 let scale = scale.map_or(1.0, |Slope(scale)| scale);
-                texture_file(slot(scale), file, (filter, transform))
+                texture_file(slot(scale), file, (filter, transform, set))
             }
         };
         let plain = |slot: Slot| {
-            move |Object(FileKeys { file, filter, transform })| {
-                texture_file(slot, file, (filter, transform))
+            move |Object(FileKeys { file, filter, transform, set })| {
+                texture_file(slot, file, (filter, transform, set))
             }
         };
-        let bump = |Object(BumpKeys { file, height: Height(height), filter, transform })| {
-            texture_file(Slot::Bump(height), file, (filter, transform))
+        let bump = |Object(keys)| {
+            let BumpKeys { file, height: Height(height), filter, transform, set } = keys;
+            texture_file(Slot::Bump(height), file, (filter, transform, set))
         };
         [
             self.roughness.map(share(Slot::Roughness)),

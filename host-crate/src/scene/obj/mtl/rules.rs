@@ -10,7 +10,7 @@ use crate::scene::rule::{self, MaterialRule, Otherwise, Slot, TexturedRule};
 use crate::scene::source::{Found, Source, find_foreign};
 use crate::scene::summary::{Fate, Summary};
 use crate::scene::text::Name;
-use crate::scene::texture::TextureFilter;
+use crate::scene::texture::{CoordinateSet, TextureFilter};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -142,6 +142,7 @@ impl Describer<'_> {
             path,
             filter: TextureFilter::Linear,
             map,
+            set: CoordinateSet::First,
         };
         let textures = found.into_iter().map(file).collect();
         let otherwise = Some(otherwise);
