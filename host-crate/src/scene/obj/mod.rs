@@ -185,7 +185,8 @@ mod tests {
             ..texture_map::TextureMap::default()
         };
         let of = |map| {
-            let mesh = parse(&text).parts[0].mesh(MaterialId(0), &AT_ORIGIN, Some(&map));
+            let laid = texture_map::Laid { map, takes_second: false };
+            let mesh = parse(&text).parts[0].mesh(MaterialId(0), &AT_ORIGIN, Some(&laid));
             mesh.texture_coordinates.unwrap()
         };
         let corners = |corners: [(f32, f32); 3]| corners.map(|(u, v)| Vec2::new(u, v));
