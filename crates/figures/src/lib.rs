@@ -1,6 +1,6 @@
 //! Figures: numbers as colours with a legend ([`color_map`]), the layers of a render as pictures
-//! ([`png_layers`]), plots (`plot`), pictures for another viewer (`tev`), and how often a render under way is
-//! shown ([`pace`]).
+//! ([`png_layers`]), plots (`plot`), pictures for another viewer (`tev`), and how often a render
+//! under way is shown ([`pace`]).
 
 mod canvas;
 pub mod color_map;

@@ -71,14 +71,14 @@ impl Part {
             DVec2::from_slice(&self.mesh.texcoords[2 * texcoord_indices[corner] as usize..])
         };
         let colour = |corner: usize| self.colour(indices[corner] as usize);
-        let second = self.second_coordinates.as_ref().map(|second| {
-            let at = |corner: usize| second[indices[corner] as usize];
-            triangles.iter().map(|corners| near_zero(corners.map(at))).collect()
-        });
+        let second = laid.filter(|laid| laid.takes_second).and(self.second_coordinates.as_ref());
         Mesh {
             material,
             tangents: None,
-            second_coordinates: laid.filter(|laid| laid.takes_second).and(second),
+            second_coordinates: second.map(|second| {
+                let at = |corner: usize| second[indices[corner] as usize];
+                triangles.iter().map(|corners| near_zero(corners.map(at))).collect()
+            }),
             colours: self
                 .has_colours()
                 .then(|| triangles.iter().map(|corners| corners.map(colour)).collect()),
