@@ -124,7 +124,8 @@ fn a_drag_orbits_and_a_click_keeps_a_pixel_with_its_path() {
     assert!(harness.state().viewer().pinned.is_some());
     let rows = harness.state().viewer().inspected();
     assert!(rows.iter().any(|(name, value)| *name == "samples" && value != "0"), "{rows:?}");
-    assert!(harness.state().viewer().path.drawing().is_some(), "its path is over the picture");
+    // The camera came to rest a moment ago: its picture, and the path with it, are yet to come.
+    until(&mut harness, |viewer| viewer.path.drawing().is_some() && has_ended(viewer));
     let with_path = colors(&mut harness);
     harness.state_mut().viewer_mut().path.is_wanted = false;
     harness.run_steps(3);
