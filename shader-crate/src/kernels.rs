@@ -695,6 +695,15 @@ macro_rules! for_each_kernel {
                 scatter differences: $crate::glam::Vec4,
                 scatter counts: $crate::glam::Vec4,
             }
+            /// Estimates errors by what a filter makes of the picture.
+            filtered_errors[256] = $crate::estimator::filtered::filtered_errors {
+                uniform parameters: $crate::estimator::filtered::FilteredParams,
+                read guides: $crate::estimator::guide::Guide,
+                read filtered: $crate::estimator::filtered::FilteredPixel,
+                read film: $crate::film::sums::PixelSums,
+                write estimates: $crate::estimator::Estimate,
+                write errors: f32,
+            }
             /// Estimates errors by the variance of means.
             noise_errors[256] = $crate::estimator::noise_errors {
                 uniform parameters: $crate::estimator::NoiseParams,

@@ -80,6 +80,41 @@ fn neighbours_of_a_bright_sample_do_not_look_converged() {
     }
 }
 
+/// Means over the blocks of `block` pixels a side of a square picture in rows.
+fn block_means(values: &[f64], side: usize, block: usize) -> Vec<f64> {
+    let mut blocks = vec![0.0; (side / block).pow(2)];
+    for (p, value) in values.iter().enumerate() {
+        let place = p / side / block * (side / block) + p % side / block;
+        blocks[place] += value / (block * block) as f64;
+    }
+    blocks
+}
+
+/// The estimators by filters on noise alone. With the variance `v`, the squared error `F` of the
+/// filtered picture and the part `a` that a pixel has in that, the expectation is `v + F - a^2 v`,
+/// and `F` is at least `a^2 v`: something from `v` to `v + F`.
+#[test]
+fn filters_know_the_error_of_the_measured_picture() {
+    const SIDE: usize = 160;
+    // Windows have up to 21 pixels.
+    const BLOCK: usize = 32;
+    let film = noisy_wall(SIDE as u32, SIDE as u32, SAMPLES, 7);
+    let truth = variance_of_mean(SAMPLES);
+    for &estimator in Estimator::ALL.iter().filter(|estimator| estimator.filter().is_some()) {
+        let estimates = estimate(&film, &absolute(estimator), &plain()).estimates;
+        let errors = estimates.iter().map(|e| f64::from(e.squared_error)).collect::<Vec<_>>();
+        let squares = estimates.iter().map(|e| f64::from(e.filtered.x - 1.0).powi(2));
+        let filtered = squares.sum::<f64>() / estimates.len() as f64;
+        let (mean, error) = mean_and_error(&block_means(&errors, SIDE, BLOCK));
+        let uncertainty = limit() * error;
+        assert!(filtered < 0.1 * truth, "{estimator}: {filtered} of {truth}");
+        assert!(
+            mean > truth - uncertainty && mean < truth + filtered + uncertainty,
+            "{estimator}: {mean} of {truth}, within {uncertainty}"
+        );
+    }
+}
+
 /// The filter on noise alone: its picture is nearer to the truth, and the squared differences are
 /// the variance.
 #[test]
@@ -103,12 +138,8 @@ fn filtered_walls_are_nearer_to_the_truth_and_differ_from_the_noise_by_its_varia
         // 1.6 %.
         assert!(after < 0.1 * before, "{name}: {after} of {before}");
         // Neighbouring pixels are filtered of the same numbers, blocks of three radii hardly are.
-        let mut blocks = vec![0.0; (SIDE / BLOCK).pow(2)];
-        for (p, estimate) in estimates.iter().enumerate() {
-            let block = p / SIDE / BLOCK * (SIDE / BLOCK) + p % SIDE / BLOCK;
-            blocks[block] += f64::from(estimate.squared_error) / (BLOCK * BLOCK) as f64;
-        }
-        let (mean, error) = mean_and_error(&blocks);
+        let errors = estimates.iter().map(|e| f64::from(e.squared_error)).collect::<Vec<_>>();
+        let (mean, error) = mean_and_error(&block_means(&errors, SIDE, BLOCK));
         let (ratio, uncertainty) =
             (mean / variance_of_mean(SAMPLES), limit() * error / variance_of_mean(SAMPLES));
         assert!(

@@ -102,10 +102,11 @@ pub fn estimate_on<E: Executor>(
     settings: &EstimationSettings,
     round: ComingRound,
 ) -> Result<Estimates, ExecError> {
-    let (width, height) = (film.width, film.height);
-    let buffers = FilmBuffers::from_film(executor, film)?;
     let sampling = Sampling { estimation: *settings, ..*sampling };
-    let estimation = EstimateBuffers::new(executor, FilmSize { width, height })?;
+    let size = FilmSize { width: film.width, height: film.height };
+    let estimation = EstimateBuffers::new(executor, size, &sampling)?;
+    let FilmSize { width, height } = size;
+    let buffers = FilmBuffers::from_film(executor, film)?;
     executor.run(&estimation.launches(&buffers, camera, &sampling, round))?;
     let errors = estimation.errors().read(executor)?;
     let rows = (0..width * height)

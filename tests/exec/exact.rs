@@ -34,7 +34,7 @@ fn whole_renders_are_the_cpus() {
         let integrators = IntegratorKind::ALL.iter();
         let integrators = integrators
             .map(|&integrator| (format!("{integrator:?}"), Settings { integrator, ..base }));
-        let estimators = [Estimator::Halves, Estimator::Variance].map(|estimator| {
+        let estimators = Estimator::ALL.iter().map(|&estimator| {
             let sampling = Sampling { estimator, ..base.sampling };
             (format!("{estimator:?}"), Settings { sampling, ..base })
         });

@@ -64,11 +64,18 @@ choices! {
 
 choices! {
     Estimator {
+        Auto: "The squared difference from the picture after the filter auto",
         AxisAligned: "Rates that follow from how far what throws light or shadow on a pixel is \
                       (Mehta et al.)",
         Bilateral: "The squared difference from the picture after a joint bilateral filter (Podee \
                     et al.)",
+        Features: "Likewise, after the filter features",
+        Gem: "Likewise, after the filter gem",
         Halves: "The squared difference of the means over two halves of the samples",
+        Learned: "Likewise, after the filter learned",
+        Manifolds: "Likewise, after the filter manifolds",
+        Nfor: "Likewise, after the filter nfor",
+        Nlm: "Likewise, after the filter nlm",
         Variance: "The variance of the pixel's mean",
     }
 }

@@ -71,7 +71,7 @@ impl Facts {
 
     fn filters_bilaterally(&self) -> bool {
         self.filters.iter().any(|kind| [FilterKind::Auto, FilterKind::Bilateral].contains(kind))
-            || self.estimate_by(&[Estimator::Bilateral])
+            || self.estimate_by(&[Estimator::Auto, Estimator::Bilateral])
     }
 
     /// Whether errors are estimated by one of `estimators`.
@@ -86,7 +86,7 @@ impl Facts {
     /// Whether the estimator decides about anything: errors, or how samples are split.
     fn uses_estimator(&self) -> bool {
         self.estimate_by(Estimator::ALL)
-            || self.samplings.iter().any(|sampling| sampling.estimator == Estimator::Halves)
+            || self.samplings.iter().any(|sampling| sampling.estimator.needs_halves())
     }
 
     /// Whether samples would be in halves only if somebody asked for that.

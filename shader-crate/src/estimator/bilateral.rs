@@ -10,6 +10,7 @@
 
 use crate::estimator::filtered::FilteredPixel;
 use crate::estimator::guide::{Guide, mean_of_squares, unpack_normal};
+use crate::estimator::unseen::unseen_part;
 use crate::estimator::{ErrorForm, Estimate};
 use crate::film::sums::PixelSums;
 use crate::film::tiles::{pixel_of_rank, rank_of_pixel};
@@ -72,7 +73,7 @@ device_struct! {
 /// components. The filtered colour shares the pixel's own noise, though, all of it where no
 /// neighbour is like the pixel, and the difference does not show what both share. With the colour
 /// term on, that part is made up for by the variance, so that thin things do not look free of
-/// noise; and what the samples of a pixel at an edge may have missed is added, see `unseen_part`.
+/// noise; and what the samples of a pixel at an edge may have missed is added, see [`unseen_part`].
 pub fn filter_errors(
     lane: u32,
     params: &FilterParams,
@@ -90,7 +91,7 @@ pub fn filter_errors(
         let mut squared_error = mean_of_squares(guide.color - filtered.color);
         if params.color != 0 {
             squared_error += filtered.shared_noise * filtered.variance
-                + unseen_part(contrast(params, guides, rank), guide.samples);
+                + unseen_part(guides, rank, params.width, params.height);
         }
         squared_error = params.form.unseen_light(&guide).max(squared_error);
         *estimate = Estimate { filtered: filtered.color, squared_error };
@@ -126,20 +127,6 @@ struct Filtered {
     /// `v (1 - 2 a + s)`: `a` is the pixel's own weight and `s` the sum of all squared weights, of
     /// a sum of 1.
     shared_noise: f32,
-}
-
-/// The squared error, on average over pixels beside an edge, of those whose samples have missed
-/// what lies beyond it: an upper bound of about the right size.
-///
-/// Samples are spread so evenly that `n` of them miss no part of the pixel above `1/n` or so. That
-/// a smaller part is covered by what a neighbour shows happens to `1/n` of all pixels at an edge.
-/// The part `f` is then anything up to `1/n`, the squared error `f^2` of the squared contrast: a
-/// third of `1/n^2` of it on average. (Samples find some of these parts: an edge along an axis
-/// leaves a quarter of this.) The pixels have no variance by which one could know them, and beside
-/// a lamp they are the worst of a picture.
-fn unseen_part(contrast: f32, samples: u32) -> f32 {
-    let n = samples as f32;
-    contrast / (3.0 * n * n * n)
 }
 
 /// Filters the pixel of rank `rank`, which is measured.
@@ -194,28 +181,6 @@ fn filter<const FOLLOWS: bool>(params: &FilterParams, guides: &[Guide], rank: u3
         own: (own + follows).max(own).min(1.0),
         shared_noise: (2.0 - squared_weights * own) * own,
     }
-}
-
-/// The largest squared difference of colour between the pixel of rank `rank` and the eight next to
-/// it.
-fn contrast(params: &FilterParams, guides: &[Guide], rank: u32) -> f32 {
-    let color = at(guides, rank).color;
-    let (x, y) = pixel_of_rank(rank, params.width, params.height);
-    let (right, bottom) = ((x + 1).min(params.width - 1), (y + 1).min(params.height - 1));
-    let mut largest = 0.0_f32;
-    let mut row = y - y.min(1);
-    while row <= bottom {
-        let mut column = x - x.min(1);
-        while column <= right {
-            let tap = at(guides, rank_of_pixel(column, row, params.width, params.height));
-            if tap.is_measured() {
-                largest = mean_of_squares(tap.color - color).max(largest);
-            }
-            column += 1;
-        }
-        row += 1;
-    }
-    largest
 }
 
 /// The pixel that is filtered, with all that its neighbours' weights have in common. The factors

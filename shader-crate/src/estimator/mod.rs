@@ -2,11 +2,12 @@
 //!
 //! An estimator gives an [`Estimate`]: a picture, and the squared error of the measured one.
 //! [`ErrorForm::of`] turns it into the number that allocators go by. The estimator `bilateral` is
-//! in [`crate::estimator::bilateral`]; `halves` and `variance` are here.
+//! in [`bilateral`], those by other filters in [`filtered`]; `halves` and `variance` are here.
 
 pub mod bilateral;
 pub mod filtered;
 pub mod guide;
+pub mod unseen;
 
 use crate::estimator::guide::Guide;
 use crate::film::sums::PixelSums;
@@ -172,7 +173,7 @@ pub fn noise_errors(
     *error = 0.0;
     if guide.is_measured() {
         estimate.squared_error = if params.smooth != 0 {
-            smoothed_variance(params, guides, rank)
+            smoothed_variance(guides, rank, params.width, params.height)
         } else {
             guide.variance
         };
@@ -185,16 +186,16 @@ pub fn noise_errors(
 /// The variance about a pixel that is measured: averaged over 3x3 pixels, by the weights 1, 2, 1
 /// along each axis, of which those outside the picture and those without a measurement are left
 /// out.
-fn smoothed_variance(params: &NoiseParams, guides: &[Guide], rank: u32) -> f32 {
-    let (x, y) = pixel_of_rank(rank, params.width, params.height);
+fn smoothed_variance(guides: &[Guide], rank: u32, width: u32, height: u32) -> f32 {
+    let (x, y) = pixel_of_rank(rank, width, height);
     let along = |middle: bool| if middle { 2.0 } else { 1.0 };
-    let (right, bottom) = ((x + 1).min(params.width - 1), (y + 1).min(params.height - 1));
+    let (right, bottom) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
     let (mut sum, mut weights) = (0.0, 0.0);
     let mut row = y - y.min(1);
     while row <= bottom {
         let mut column = x - x.min(1);
         while column <= right {
-            let guide = at(guides, rank_of_pixel(column, row, params.width, params.height));
+            let guide = at(guides, rank_of_pixel(column, row, width, height));
             if guide.is_measured() {
                 let weight = along(column == x) * along(row == y);
                 sum += weight * guide.variance;

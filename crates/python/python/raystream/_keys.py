@@ -125,7 +125,22 @@ class RenderOptions(LoadOptions, total=False):
         Literal["auto", "megakernel", "compaction", "regeneration", "streaming", "lvc"], None
     ]
     allocator: Union[Literal["uniform", "paper", "atomic", "runs"], None]
-    estimator: Union[Literal["axis-aligned", "bilateral", "halves", "variance"], None]
+    estimator: Union[
+        Literal[
+            "auto",
+            "axis-aligned",
+            "bilateral",
+            "features",
+            "gem",
+            "halves",
+            "learned",
+            "manifolds",
+            "nfor",
+            "nlm",
+            "variance",
+        ],
+        None,
+    ]
     denoise: Union[Filter, bool, None]
     relative: Union[bool, None]
     initial_spp: Union[Whole, None]

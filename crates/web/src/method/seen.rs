@@ -61,8 +61,10 @@ pub enum Selection {
 pub fn keep(kernel: &Kernel) -> Keep {
     match kernel.name {
         "accumulate" => Keep::All,
-        "make_guides" | "filter_errors" | "noise_errors" | "axis_rates" | "weigh_errors"
-        | "weigh_deficits" | "run_starts" | "paper_select" | "paper_decide" => Keep::Written,
+        "make_guides" | "filter_errors" | "filtered_errors" | "noise_errors" | "axis_rates"
+        | "weigh_errors" | "weigh_deficits" | "run_starts" | "paper_select" | "paper_decide" => {
+            Keep::Written
+        }
         _ => Keep::Nothing,
     }
 }
@@ -76,7 +78,7 @@ impl Seen {
             let written = |name| elements(&step.written, name);
             match step.kernel.name {
                 "make_guides" => seen.guides = elements(&step.written, "guides"),
-                "filter_errors" | "noise_errors" | "axis_rates" => {
+                "filter_errors" | "filtered_errors" | "noise_errors" | "axis_rates" => {
                     seen.estimates = step.written.first().map_or_else(Vec::new, Bound::elements);
                     seen.errors = step.written.get(1).map_or_else(Vec::new, Bound::elements);
                 }

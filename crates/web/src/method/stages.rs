@@ -122,7 +122,7 @@ impl Round<'_> {
         let painter = self.painter();
         Stage {
             name: "Filtered",
-            kernels: &["filter_errors", "noise_errors", "axis_rates"],
+            kernels: &["filter_errors", "filtered_errors", "noise_errors", "axis_rates"],
             beside: None,
             text: texts::filtered(self.choice.estimator),
             facts: vec![fact("apart", "mean distance from the film", short(mean(&apart)))],
@@ -140,7 +140,7 @@ impl Round<'_> {
         let none = errors.iter().filter(|&&error| error == 0.0).count();
         Stage {
             name: "Error",
-            kernels: &["filter_errors", "noise_errors", "axis_rates"],
+            kernels: &["filter_errors", "filtered_errors", "noise_errors", "axis_rates"],
             beside: None,
             text: texts::errors(self.choice),
             facts: vec![

@@ -28,6 +28,7 @@ pub fn guides(estimator: Estimator) -> String {
         Estimator::Halves | Estimator::Variance => {
             "This estimator looks at the last of these pictures alone."
         }
+        _ => "The filter that follows tells by them which pixels are alike.",
     };
     format!(
         "A guide is what an estimator sees of a pixel: its colour and the deviation of that, and \
@@ -56,6 +57,10 @@ pub fn filtered(estimator: Estimator) -> String {
             "This estimator filters nothing: its picture is the film's own. It says from the \
              distances of what throws light or shadow how many samples a pixel deserves."
         }
+        _ => {
+            "One of the filters that also clean pictures says what each pixel would be without its \
+             noise. It need not be right: nothing of it gets into the film."
+        }
     }
     .to_owned()
 }
@@ -63,10 +68,10 @@ pub fn filtered(estimator: Estimator) -> String {
 /// Of the errors.
 pub fn errors(choice: &Choice) -> String {
     let squared = match choice.estimator {
-        Estimator::Bilateral => "the squared difference of the film from the filtered picture",
         Estimator::Halves => "the squared difference of the two halves' means",
         Estimator::Variance => "the variance of the pixel's mean",
         Estimator::AxisAligned => "a rate that follows from the distances of occluders",
+        _ => "the squared difference of the film from the filtered picture",
     };
     let form = match choice.allocator {
         AllocatorKind::Runs => {

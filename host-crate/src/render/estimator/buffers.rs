@@ -2,12 +2,13 @@
 
 use crate::exec::{Array, ExecError, Executor, Launch, kernels};
 use crate::render::film::{Band, FilmBuffers, in_rows};
-use crate::render::reconstruction::axis_aligned;
+use crate::render::reconstruction::{FilterView, FilteredPicture, axis_aligned};
 use crate::render::settings::estimation::Estimator;
 use crate::render::settings::sampling::{AllocatorKind, Sampling};
 use crate::scene::FilmSize;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::bilateral::FilterParams;
+use raystream_shaders::estimator::filtered::FilteredParams;
 use raystream_shaders::estimator::guide::{Guide, GuideParams, HALVES, SUM_OF_SQUARES};
 use raystream_shaders::estimator::{ErrorForm, ErrorTotal, Estimate, NoiseParams, TotalParams};
 use raystream_shaders::reconstruction::axis_aligned::AxisParams;
@@ -22,10 +23,18 @@ const ADDERS: u32 = 4096;
 /// 48 bytes a pixel are the largest.
 pub struct EstimateBuffers<B> {
     size: FilmSize,
-    guides: Array<B, Guide>,
+    sight: Sight<B>,
     estimates: Array<B, Estimate>,
     errors: Array<B, f32>,
     totals: Array<B, ErrorTotal>,
+}
+
+/// What an estimator looks at.
+enum Sight<B> {
+    /// Guides alone.
+    Guides(Array<B, Guide>),
+    /// What a filter makes of them.
+    Filtered(Box<FilteredPicture<B>>),
 }
 
 /// What estimators need to know of the round that their errors are for.
@@ -50,7 +59,7 @@ pub struct Noise {
     pub mean_radiance: f64,
 }
 
-impl<B> EstimateBuffers<B> {
+impl<B: Send + Sync + 'static> EstimateBuffers<B> {
     /// Fails where a picture of `size` is too large for a device, whose kernels must be given all
     /// guides at once.
     pub fn check<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<(), ExecError> {
@@ -58,15 +67,26 @@ impl<B> EstimateBuffers<B> {
         executor.check_size(GUIDES, bytes)
     }
 
-    /// Buffers for a picture of `size`.
+    /// Buffers for a picture of `size` and the estimator of `sampling`.
     ///
     /// # Errors
     /// If the device has no room for them, or cannot give them to a kernel as a whole.
-    pub fn new<E: Executor<Buffer = B>>(executor: &E, size: FilmSize) -> Result<Self, ExecError> {
+    pub fn new<E: Executor<Buffer = B>>(
+        executor: &E,
+        size: FilmSize,
+        sampling: &Sampling,
+    ) -> Result<Self, ExecError> {
         let pixels = (size.width * size.height) as usize;
+        let sight = match sampling.estimator.filter() {
+            None => Sight::Guides(Array::zeroed(executor, GUIDES, pixels)?),
+            Some(kind) => {
+                let settings = sampling.estimation.filter;
+                Sight::Filtered(Box::new(FilteredPicture::new(executor, size, kind, settings)?))
+            }
+        };
         Ok(Self {
             size,
-            guides: Array::zeroed(executor, GUIDES, pixels)?,
+            sight,
             estimates: Array::zeroed(executor, "estimates", pixels)?,
             errors: Array::zeroed(executor, "errors", pixels)?,
             totals: Array::zeroed(executor, "sums of errors", ADDERS as usize)?,
@@ -74,7 +94,8 @@ impl<B> EstimateBuffers<B> {
     }
 
     /// The launches after which [`errors`](Self::errors) is what `sampling` asks for, given the
-    /// film. The film and `camera` are of the size that these buffers are for.
+    /// film. The film and `camera` are of the size that these buffers are for, the estimator is
+    /// theirs.
     pub fn launches<'a>(
         &'a self,
         film: &'a FilmBuffers<B>,
@@ -83,31 +104,49 @@ impl<B> EstimateBuffers<B> {
         round: ComingRound,
     ) -> Vec<Launch<'a, B>> {
         let form = error_form(sampling, round);
-        // All guides come before the first estimate: those at a band's border look across it.
-        let mut launches = self.guide_launches(film, sampling.estimator);
-        let bands = film.bands().iter();
-        launches.extend(bands.map(|band| self.estimate_launch(band, camera, sampling, form)));
+        // All that is seen comes before the first estimate: those at a band's border look across
+        // it.
+        let mut launches = match &self.sight {
+            Sight::Guides(guides) => guide_launches(guides, film, sampling.estimator),
+            Sight::Filtered(picture) => {
+                let view = FilterView { camera: *camera, mean_radiance: round.mean_radiance };
+                picture.launches(film, &view)
+            }
+        };
+        launches.extend(film.bands().iter().map(|band| match &self.sight {
+            Sight::Guides(guides) => self.by_guides(guides, band, camera, sampling, form),
+            Sight::Filtered(picture) => self.by_filter(picture, band, form),
+        }));
         launches
     }
 
-    fn guide_launches<'a>(
+    fn by_filter<'a>(
         &'a self,
-        film: &'a FilmBuffers<B>,
-        estimator: Estimator,
-    ) -> Vec<Launch<'a, B>> {
-        let spread = if estimator == Estimator::Halves { HALVES } else { SUM_OF_SQUARES };
-        let of_band = |band: &'a Band<B>| {
-            let threads = band.film.len() as u32;
-            let parameters =
-                GuideParams { threads, spread, unit_exponent: film.unit_exponent(), pad: 0 };
-            let guides = self.guides.slice(band.ranks());
-            kernels::make_guides(&parameters, band.film.view(), band.features.view(), guides)
+        picture: &'a FilteredPicture<B>,
+        band: &'a Band<B>,
+        form: ErrorForm,
+    ) -> Launch<'a, B> {
+        let FilmSize { width, height } = self.size;
+        let parameters = FilteredParams {
+            threads: band.film.len() as u32,
+            first_rank: band.first_rank,
+            width,
+            height,
+            form,
         };
-        film.bands().iter().map(of_band).collect()
+        kernels::filtered_errors(
+            &parameters,
+            picture.inputs().guides.view(),
+            picture.filtered().view(),
+            band.film.view(),
+            self.estimates.slice(band.ranks()),
+            self.errors.slice(band.ranks()),
+        )
     }
 
-    fn estimate_launch<'a>(
+    fn by_guides<'a>(
         &'a self,
+        guides: &'a Array<B, Guide>,
         band: &'a Band<B>,
         camera: &Camera,
         sampling: &Sampling,
@@ -115,7 +154,7 @@ impl<B> EstimateBuffers<B> {
     ) -> Launch<'a, B> {
         let (threads, first_rank) = (band.film.len() as u32, band.first_rank);
         let FilmSize { width, height } = self.size;
-        let (guides, film) = (self.guides.view(), band.film.view());
+        let (guides, film) = (guides.view(), band.film.view());
         let estimates = self.estimates.slice(band.ranks());
         let errors = self.errors.slice(band.ranks());
         if sampling.estimator == Estimator::Bilateral {
@@ -187,6 +226,23 @@ impl<B> EstimateBuffers<B> {
             mean_radiance: mean(|t| t.radiance),
         })
     }
+}
+
+/// The launches after which `guides` are those of `film`.
+fn guide_launches<'a, B>(
+    guides: &'a Array<B, Guide>,
+    film: &'a FilmBuffers<B>,
+    estimator: Estimator,
+) -> Vec<Launch<'a, B>> {
+    let spread = if estimator == Estimator::Halves { HALVES } else { SUM_OF_SQUARES };
+    let of_band = |band: &'a Band<B>| {
+        let threads = band.film.len() as u32;
+        let unit_exponent = film.unit_exponent();
+        let parameters = GuideParams { threads, spread, unit_exponent, pad: 0 };
+        let guides = guides.slice(band.ranks());
+        kernels::make_guides(&parameters, band.film.view(), band.features.view(), guides)
+    };
+    film.bands().iter().map(of_band).collect()
 }
 
 /// How errors follow from estimates.

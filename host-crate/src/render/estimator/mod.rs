@@ -64,7 +64,7 @@ impl FilmSamples {
     }
 }
 
-impl<B> Estimation<B> {
+impl<B: Send + Sync + 'static> Estimation<B> {
     /// Of a picture of `size`; no memory of its size is asked for where `sampling` needs no errors.
     pub fn new<E: Executor<Buffer = B>>(
         executor: &E,
@@ -72,9 +72,10 @@ impl<B> Estimation<B> {
         sampling: Sampling,
     ) -> Result<Self, ExecError> {
         let is_wanted = sampling.allocator != AllocatorKind::Uniform || sampling.noise.is_some();
+        let buffers = || EstimateBuffers::new(executor, size, &sampling);
         Ok(Self {
             sampling,
-            buffers: is_wanted.then(|| EstimateBuffers::new(executor, size)).transpose()?,
+            buffers: is_wanted.then(buffers).transpose()?,
             no_errors: Array::zeroed(executor, "no errors", 1)?,
             is_current: false,
             has_estimated: false,

@@ -148,6 +148,18 @@ impl<B: Send + Sync + 'static> FilteredPicture<B> {
         &self.filtered
     }
 
+    /// The launches after which [`Self::filtered`] is the picture of `film`, by a filter that does
+    /// nothing [on the host](Filter::on_host).
+    pub fn launches<'a>(
+        &'a self,
+        film: &'a FilmBuffers<B>,
+        view: &FilterView,
+    ) -> Vec<Launch<'a, B>> {
+        let mut launches = self.inputs.launches(film);
+        launches.extend(self.filter.launches(&self.inputs, view, &self.filtered));
+        launches
+    }
+
     /// Filters the inputs as the launches `before` leave them, so that [`Self::filtered`] is the
     /// picture of these, and runs the launches `after`. Returns where the time went.
     ///

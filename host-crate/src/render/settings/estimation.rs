@@ -2,32 +2,78 @@
 
 use crate::names::named;
 use crate::render::scene::camera::pinhole;
+use crate::render::settings::reconstruction::FilterKind;
 use bytemuck::Zeroable;
 use raystream_shaders::estimator::ErrorForm;
 use raystream_shaders::estimator::bilateral::FilterParams;
 use raystream_shaders::scene::camera::Camera;
 
 /// What the error of a pixel is taken to be.
+///
+/// Those that are named like a [filter](FilterKind), but for `axis-aligned`, take it for the squared
+/// difference of the measured picture from the filtered one, with what both share of noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Estimator {
+    /// By the filter `auto`.
+    Auto,
     /// The variance of the pixel's mean; but allocators go by rates that say, before any sample,
     /// what a pixel needs: by how far what throws light or shadow on it is (Mehta et al.).
     AxisAligned,
-    /// The squared difference from the picture after a joint bilateral filter (Podee et al.).
+    /// By a joint bilateral filter (Podee et al.), in a kernel of its own.
     #[default]
     Bilateral,
+    /// By the filter `features`.
+    Features,
+    /// By the filter `gem`.
+    Gem,
     /// The squared difference of the means over the two halves of the samples.
     Halves,
+    /// By the filter `learned`.
+    Learned,
+    /// By the filter `manifolds`.
+    Manifolds,
+    /// By the filter `nfor`.
+    Nfor,
+    /// By the filter `nlm`.
+    Nlm,
     /// The variance of the pixel's mean.
     Variance,
 }
 
 named! {
     Estimator {
+        Auto: "auto",
         AxisAligned: "axis-aligned",
         Bilateral: "bilateral",
+        Features: "features",
+        Gem: "gem",
         Halves: "halves",
+        Learned: "learned",
+        Manifolds: "manifolds",
+        Nfor: "nfor",
+        Nlm: "nlm",
         Variance: "variance",
+    }
+}
+
+impl Estimator {
+    /// The filter whose picture it looks at; none for those with a kernel of their own.
+    pub const fn filter(self) -> Option<FilterKind> {
+        Some(match self {
+            Self::Auto => FilterKind::Auto,
+            Self::Features => FilterKind::Features,
+            Self::Gem => FilterKind::Gem,
+            Self::Learned => FilterKind::Learned,
+            Self::Manifolds => FilterKind::Manifolds,
+            Self::Nfor => FilterKind::Nfor,
+            Self::Nlm => FilterKind::Nlm,
+            Self::AxisAligned | Self::Bilateral | Self::Halves | Self::Variance => return None,
+        })
+    }
+
+    /// Whether it needs the samples in two independent halves.
+    pub const fn needs_halves(self) -> bool {
+        matches!(self, Self::Halves) || self.filter().is_some()
     }
 }
 

@@ -119,7 +119,7 @@ impl Sampling {
     pub fn split(&self) -> Split {
         if self.allocator == AllocatorKind::Runs {
             Split::Control
-        } else if self.halves || self.noise.is_some() || self.estimator == Estimator::Halves {
+        } else if self.halves || self.noise.is_some() || self.estimator.needs_halves() {
             Split::ByTurns
         } else {
             Split::Whole
