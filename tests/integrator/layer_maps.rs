@@ -67,7 +67,7 @@ fn a_texture_of_one_number_is_the_number() {
         (
             "specular",
             Maps { specular: channel(3), ..maps },
-            Principled { specular: Vec3::splat(share), ..plain },
+            Principled { specular: Vec3::splat(share), f90: share, ..plain },
         ),
         (
             "specular_colour",

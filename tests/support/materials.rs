@@ -5,13 +5,15 @@ use raystream_shaders::scene::abilities::{BASIC, Fixed};
 use raystream_shaders::scene::bsdf::albedo::AlbedoView;
 use raystream_shaders::scene::bsdf::layers::Layers;
 use raystream_shaders::scene::bsdf::{Bsdf, Material, MaterialKind};
+use raystream_shaders::scene::normals::Normals;
 use raystream_shaders::scene::texture::NO_TEXTURE;
 
 /// A material that looks nothing up, at a point with this shading `normal`, which is on the side
 /// that the path came from: `from_outside` says whether that is the front.
 pub fn bsdf(material: &Material, normal: Vec3, from_outside: bool) -> Bsdf<'static, Fixed<BASIC>> {
     let albedos = AlbedoView { rows: &[], first: 0, anisotropic: 0 };
-    material.bsdf([normal, normal, normal, Vec3::ZERO], from_outside, Layers::NONE, albedos, Fixed)
+    let normals = [Normals::all(normal); 2];
+    material.bsdf(normals, Vec3::ZERO, from_outside, Layers::NONE, albedos, Fixed)
 }
 
 /// Lambert's law.

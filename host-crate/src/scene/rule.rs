@@ -169,7 +169,10 @@ impl Slot {
             Self::Sheen => principled.sheen *= texture.mean(),
             Self::SheenRoughness(channel) => principled.sheen_roughness *= mean(channel),
             Self::Transmission(channel) => principled.transmission *= mean(channel),
-            Self::Specular(channel) => principled.specular *= mean(channel),
+            Self::Specular(channel) => {
+                principled.specular *= mean(channel);
+                principled.f90 *= mean(channel);
+            }
             Self::SpecularColour => principled.specular *= texture.mean(),
             Self::Grain => principled.anisotropy.strength *= mean(STRENGTH),
         }

@@ -84,8 +84,8 @@ pub fn filter_errors(
 ) {
     let rank = params.first_rank + lane;
     let guide = at(guides, rank);
-    *estimate = Estimate { filtered: Vec3::ZERO, squared_error: 0.0 };
-    *error = 0.0;
+    let mut result = Estimate { filtered: Vec3::ZERO, squared_error: 0.0 };
+    let mut number = 0.0;
     if guide.is_measured() {
         let filtered = filter::<false>(params, guides, rank);
         let mut squared_error = mean_of_squares(guide.color - filtered.color);
@@ -93,10 +93,12 @@ pub fn filter_errors(
             squared_error += filtered.shared_noise * filtered.variance
                 + unseen_part(guides, rank, params.width, params.height);
         }
-        squared_error = params.form.unseen_light(&guide).max(squared_error);
-        *estimate = Estimate { filtered: filtered.color, squared_error };
-        *error = params.form.of(estimate, filtered.variance, &guide, at(film, lane).rays);
+        result.filtered = filtered.color;
+        result.squared_error = params.form.unseen_light(&guide).max(squared_error);
+        number = params.form.of(&result, filtered.variance, &guide, at(film, lane).rays);
     }
+    *estimate = result;
+    *error = number;
 }
 
 /// Kernel: the filtered colour of the pixel `lane` of the picture, for a

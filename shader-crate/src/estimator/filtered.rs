@@ -65,7 +65,6 @@ pub fn filtered_errors(
         result.squared_error = params.form.unseen_light(&guide).max(squared_error);
         number = params.form.of(&result, guide.variance, &guide, at(film, lane).rays);
     }
-    // Once each: an H200's driver loses the second of two stores here.
     *estimate = result;
     *error = number;
 }

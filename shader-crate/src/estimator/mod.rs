@@ -169,18 +169,19 @@ pub fn noise_errors(
 ) {
     let rank = params.first_rank + lane;
     let guide = at(guides, rank);
-    *estimate = Estimate { filtered: guide.color, squared_error: 0.0 };
-    *error = 0.0;
+    let mut result = Estimate { filtered: guide.color, squared_error: 0.0 };
+    let mut number = 0.0;
     if guide.is_measured() {
-        estimate.squared_error = if params.smooth != 0 {
+        let variance = if params.smooth != 0 {
             smoothed_variance(guides, rank, params.width, params.height)
         } else {
             guide.variance
         };
-        estimate.squared_error = params.form.unseen_light(&guide).max(estimate.squared_error);
-        let rays = at(film, lane).rays;
-        *error = params.form.of(estimate, guide.variance, &guide, rays);
+        result.squared_error = params.form.unseen_light(&guide).max(variance);
+        number = params.form.of(&result, guide.variance, &guide, at(film, lane).rays);
     }
+    *estimate = result;
+    *error = number;
 }
 
 /// The variance about a pixel that is measured: averaged over 3x3 pixels, by the weights 1, 2, 1

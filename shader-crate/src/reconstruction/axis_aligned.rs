@@ -202,19 +202,21 @@ pub fn axis_rates(
 ) {
     let rank = params.first_rank + lane;
     let guide = at(guides, rank);
-    *estimate = Estimate { filtered: guide.color, squared_error: 0.0 };
-    *error = 0.0;
+    let mut result = Estimate { filtered: guide.color, squared_error: 0.0 };
+    let mut number = 0.0;
     if guide.is_measured() {
-        estimate.squared_error = params.form.unseen_light(&guide).max(guide.variance);
-        *error = params.form.of(estimate, guide.variance, &guide, at(film, lane).rays);
-        if *error != CONVERGED {
+        result.squared_error = params.form.unseen_light(&guide).max(guide.variance);
+        number = params.form.of(&result, guide.variance, &guide, at(film, lane).rays);
+        if number != CONVERGED {
             let samples = params.form.samples_of_round;
             // Those who go by what the coming round takes away give in proportion to the error.
             let coming =
                 if samples > 0.0 { samples / (samples + guide.samples as f32) } else { 1.0 };
-            *error = rate_of(params, &guide, &occluders_of(params, guides, rank)) * coming;
+            number = rate_of(params, &guide, &occluders_of(params, guides, rank)) * coming;
         }
     }
+    *estimate = result;
+    *error = number;
 }
 
 /// Samples that the light of a pixel needs, a priori: `(Omega mu l / z + 1)^2 (1 + mu Z / z)^2

@@ -60,11 +60,12 @@ pub fn guard(
     estimate: &mut Estimate,
 ) {
     let guide = at(guides, lane);
-    *estimate = Estimate { filtered: Vec3::ZERO, squared_error: 0.0 };
-    if guide.is_measured() {
+    *estimate = if guide.is_measured() {
         let about = at(blurred, params.row_index(lane));
-        *estimate = guarded(&guide, &at(filtered, lane), about);
-    }
+        guarded(&guide, &at(filtered, lane), about)
+    } else {
+        Estimate { filtered: Vec3::ZERO, squared_error: 0.0 }
+    };
 }
 
 /// The picture of a pixel that is measured, with the [terms](guard_terms) `about` it blurred.

@@ -71,6 +71,12 @@ pub const LAYER_MAPS: u32 = 1 << 18;
 /// Coats have a normal of [their own](crate::scene::bsdf::cover).
 pub const COAT_NORMALS: u32 = 1 << 19;
 
+/// Maps bend [normals](crate::scene::normals).
+pub const NORMAL_MAPS: u32 = 1 << 20;
+
+/// Surfaces may reflect less than all light at grazing angles, see [`crate::scene::bsdf::layers`].
+pub const F90: u32 = 1 << 21;
+
 /// What most scenes use no more than: the CPU has loops for these, and loops for [`ALL`].
 pub const BASIC: u32 = TEXTURES;
 /// Every ability.

@@ -3,19 +3,17 @@
 use crate::glam::{Vec2, Vec3};
 use crate::math::packed::{NO_TANGENT, Tangent};
 use crate::scene::abilities::{
-    Abilities, COAT_NORMALS, EMISSION_MAPS, PRINCIPLED, TEXTURES, VERTEX_COLOURS,
+    Abilities, COAT_NORMALS, EMISSION_MAPS, NORMAL_MAPS, PRINCIPLED, TEXTURES, VERTEX_COLOURS,
 };
 use crate::scene::bsdf::layers::Layers;
 use crate::scene::bsdf::{Material, MaterialKind};
-use crate::scene::ray::{Hit, Ray, SurfacePoint};
+use crate::scene::normals::Normals;
+use crate::scene::ray::{Hit, SurfacePoint};
 use crate::scene::surface::SurfaceView;
 use crate::scene::texture::{Coordinates, NO_TEXTURE};
 use crate::scene::triangle::{NO_ATTRIBUTES, Triangle};
 #[cfg(target_arch = "spirv")]
 use spirv_std::num_traits::Float as _;
-
-/// Cosine under which a ray still sees a surface whose map of normals turns it away.
-const JUST_SEEN: f32 = 1e-3;
 
 /// What a point of a surface is made of, by the numbers of its corners and by its textures.
 pub struct Looks {
@@ -23,12 +21,8 @@ pub struct Looks {
     pub material: Material,
     /// With the numbers of textures.
     pub layers: Layers,
-    /// Shading normal on the front.
-    pub shading: Vec3,
-    /// See [`Bsdf::geometric`](crate::scene::bsdf::Bsdf::geometric); on the front.
-    pub geometric: Vec3,
-    /// See [`Bsdf::coat`](crate::scene::bsdf::Bsdf::coat); on the front.
-    pub coat: Vec3,
+    /// Those of the front.
+    pub normals: Normals,
     /// Packed, or [`NO_TANGENT`].
     pub tangent: u32,
     /// See [`Layers::grain`].
@@ -36,11 +30,10 @@ pub struct Looks {
 }
 
 impl Looks {
-    /// Those of the `triangle` of an `instance`, or of none, where `ray` made `hit`.
+    /// Those of the `triangle` of an `instance`, or of none, where a ray made `hit`.
     #[inline(always)]
     pub fn of<A: Abilities>(
         surfaces: &SurfaceView<'_, A>,
-        ray: &Ray,
         hit: &Hit,
         triangle: &Triangle,
         point: &SurfacePoint,
@@ -56,17 +49,13 @@ impl Looks {
         let mut looks = Self {
             material,
             layers,
-            shading: point.normal,
-            geometric: point.normal,
-            coat: point.normal,
+            normals: Normals::all(point.normal),
             tangent: NO_TANGENT,
             heading: Vec2::X,
         };
         if triangle.attributes != NO_ATTRIBUTES {
             let a = surfaces.attributes_at(triangle.attributes, instance, hit);
-            looks.shading = a.normal(hit, point.normal);
-            looks.geometric = looks.shading;
-            looks.coat = looks.shading;
+            looks.normals = Normals::all(a.normal(hit, point.normal));
             looks.tangent = a.tangent;
             if surfaces.abilities.has(VERTEX_COLOURS) {
                 let colour = surfaces.colour(triangle.attributes, hit);
@@ -81,18 +70,20 @@ impl Looks {
                     let (layers, heading) = maps.applied(looks.layers, &surfaces.textures, place);
                     (looks.layers, looks.heading) = (layers, heading);
                 }
-                let (direction, tangent) = (ray.direction, a.tangent);
-                let layers = &looks.layers;
-                if is_principled && layers.normal_map != NO_TEXTURE && tangent != NO_TANGENT {
-                    let slopes = layers.slopes(&surfaces.textures, place);
-                    looks.shading = bent(looks.shading, slopes, tangent, direction, point.normal);
-                    looks.geometric = point.normal;
+                let has_normal_map = surfaces.abilities.has(NORMAL_MAPS)
+                    && is_principled
+                    && looks.layers.normal_map != NO_TEXTURE;
+                let (tangent, corners) = (a.tangent, looks.normals.shading);
+                if has_normal_map && tangent != NO_TANGENT {
+                    let slopes = looks.layers.slopes(&surfaces.textures, place);
+                    looks.normals.shading = mapped(corners, slopes, tangent);
+                    looks.normals.geometric = point.normal;
                 }
                 let knows_coats = has_maps && surfaces.abilities.has(COAT_NORMALS);
                 if knows_coats && maps.coat_normal() != NO_TEXTURE && tangent != NO_TANGENT {
                     let slopes = maps.coat_slopes(&surfaces.textures, place);
-                    looks.coat = bent(looks.coat, slopes, tangent, direction, point.normal);
-                    looks.geometric = point.normal;
+                    looks.normals.coat = mapped(corners, slopes, tangent);
+                    looks.normals.geometric = point.normal;
                 }
             }
         }
@@ -122,10 +113,8 @@ impl Looks {
 }
 
 /// The shading `normal` with a map's `slopes`: towards the tangent, towards the bitangent, and
-/// along the normal. The side from which a ray along `direction` sees it stays that of the
-/// triangle, whose normal is `geometric`: what would turn away from the ray is bent to where it is
-/// just seen.
-fn bent(normal: Vec3, slopes: Vec3, tangent: u32, direction: Vec3, geometric: Vec3) -> Vec3 {
+/// along the normal.
+fn mapped(normal: Vec3, slopes: Vec3, tangent: u32) -> Vec3 {
     let Tangent { direction: along, is_mirrored } = Tangent::unpack(tangent);
     let along = along - normal * normal.dot(along);
     let length = along.length_squared();
@@ -135,11 +124,5 @@ fn bent(normal: Vec3, slopes: Vec3, tangent: u32, direction: Vec3, geometric: Ve
     let along = along / length.sqrt();
     let across = normal.cross(along);
     let across = if is_mirrored { -across } else { across };
-    let mapped = (along * slopes.x + across * slopes.y + normal * slopes.z).normalize();
-    let (seen, side) = (mapped.dot(direction), geometric.dot(direction));
-    if seen * side > 0.0 {
-        return mapped;
-    }
-    let least = if side < 0.0 { -JUST_SEEN } else { JUST_SEEN };
-    (mapped + direction * (least - seen)).normalize()
+    (along * slopes.x + across * slopes.y + normal * slopes.z).normalize()
 }

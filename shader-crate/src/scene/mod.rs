@@ -27,6 +27,7 @@ pub mod environment;
 pub mod light;
 pub mod looks;
 pub mod media;
+pub mod normals;
 pub mod ray;
 pub mod surface;
 pub mod texture;

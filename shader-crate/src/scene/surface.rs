@@ -312,22 +312,22 @@ impl<'a, F: Abilities> Surface<'a, F> {
         let place = surfaces.bvh.place(hit.triangle);
         let triangle = surfaces.triangle(place.entry);
         let point = surfaces.point(&place, &triangle, ray, hit);
-        let mut looks = Looks::of(surfaces, ray, hit, &triangle, &point, place.instance);
+        let mut looks = Looks::of(surfaces, hit, &triangle, &point, place.instance);
         let from_front = ray.direction.dot(point.normal) < 0.0;
         let Looks { material, layers, .. } = &mut looks;
         surfaces.bound(material, layers, triangle.material, from_front, sides);
-        let Looks { material, layers, shading, geometric, coat, tangent, heading } = looks;
-        let from_outside = ray.direction.dot(shading) < 0.0;
-        let grain = surfaces.grain(&layers, tangent, heading, shading);
-        let side = if from_outside { 1.0 } else { -1.0 };
-        let normals = [shading * side, geometric * side, coat * side, grain];
+        let Looks { material, layers, normals, tangent, heading } = looks;
+        let from_outside = ray.direction.dot(normals.geometric) < 0.0;
+        let grain = surfaces.grain(&layers, tangent, heading, normals.shading);
+        let mapped = normals.on_side(if from_outside { 1.0 } else { -1.0 });
         let (albedos, abilities) = (surfaces.albedos(), surfaces.abilities);
+        let normals = [mapped.mirroring(-ray.direction, abilities), mapped];
         Self {
             point,
             instance: place.instance,
             from_front,
             sides,
-            bsdf: material.bsdf(normals, from_outside, layers, albedos, abilities),
+            bsdf: material.bsdf(normals, grain, from_outside, layers, albedos, abilities),
             emission: material.emission,
             light: triangle.light,
         }
@@ -336,7 +336,7 @@ impl<'a, F: Abilities> Surface<'a, F> {
     /// The surface as the choice of a light for it sees it.
     #[inline(always)]
     pub fn vantage(&self) -> Vantage {
-        Vantage::new(self.point.position, self.bsdf.normal, self.bsdf.passes_light())
+        Vantage::new(self.point.position, self.bsdf.geometric, self.bsdf.passes_light())
     }
 
     /// What a path is in that leaves in this direction.

@@ -144,6 +144,32 @@ fn steep_floor() -> PreparedScene {
     })
 }
 
+#[test]
+fn a_mirror_image_is_above_what_is_bent() {
+    for texel in [[255, 128, 200, 255], [0, 0, 128, 255], [160, 90, 255, 255], [128, 128, 0, 255]] {
+        let floor = floor(texel, [Vec2::X, Vec2::Y], |texture| Principled {
+            maps: Maps { normal: Some(NormalMap { texture, scale: 1.0 }), ..Maps::default() },
+            ..material()
+        });
+        let mut bent = 0;
+        for incoming in directions().filter(|direction| direction.z.abs() > 1e-3) {
+            let bsdf = met(&floor, incoming);
+            let height = |direction: Vec3| direction.dot(bsdf.geometric);
+            let (mirrored, own) = (height(incoming.reflect(bsdf.normal)), height(-incoming));
+            let least = (0.9 * own).min(0.01);
+            assert!(mirrored > least - 1e-3, "{texel:?} {incoming}: {mirrored} of {own}");
+            // No more than it takes.
+            if bsdf.normal.dot(bsdf.mapped.shading) < 1.0 - 1e-6 {
+                let is_least = (mirrored - least).abs() < 1e-3;
+                let is_flat = bsdf.normal.dot(bsdf.geometric) > 1.0 - 1e-5;
+                assert!(is_least || is_flat, "{texel:?} {incoming}: {mirrored} of {own}");
+                bent += 1;
+            }
+        }
+        assert!(bent > 20, "{texel:?}: {bent}");
+    }
+}
+
 /// Directions all around.
 fn directions() -> impl Iterator<Item = Vec3> {
     (0..400).map(|k| {
@@ -183,7 +209,8 @@ fn light_passes_no_wall_for_being_above_its_map() {
 #[test]
 fn a_tilted_map_is_a_tilted_floor() {
     let tilted = steep_floor();
-    let incoming = arriving(10.0, true);
+    // From where what the map mirrors is above the floor.
+    let incoming = Vec3::new(-0.4, 0.1, -1.0).normalize();
     let bsdf = met(&tilted, incoming);
     let to_flat = Quat::from_rotation_arc(bsdf.normal, Vec3::Z);
     let flat = super::principled::floor(material());

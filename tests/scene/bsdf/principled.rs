@@ -76,6 +76,7 @@ fn rough_ones() -> Vec<(&'static str, Principled)> {
     for roughness in [0.5, 0.75, 1.0] {
         let paint = Principled::paint(Vec3::new(0.7, 0.4, 0.2), roughness);
         all.push(("paint", paint));
+        all.push(("dull paint", Principled { f90: 0.25, specular: Vec3::splat(0.5), ..paint }));
         all.push(("metal", Principled::metal(Vec3::new(1.0, 0.8, 0.3), roughness)));
         all.push(("gold", Principled::conductor(Metal::Gold.conductor(), roughness)));
         all.push(("glass", Principled::glass(1.5, roughness)));
@@ -197,6 +198,8 @@ fn white_furnaces_keep_all_light() {
             ("white paint", paint),
             ("white metal", Principled::metal(Vec3::ONE, roughness)),
             ("half metal", Principled { metallic: 0.5, ..paint }),
+            ("dull half metal", Principled { metallic: 0.5, f90: 0.3, ..paint }),
+            ("dull paint", Principled { f90: 0.0, specular: Vec3::splat(0.5), ..paint }),
             ("paint of index 2.5", Principled { ior: 2.5, ..paint }),
             ("coated paint", Principled { coat: 1.0, coat_roughness: 0.3, ..paint }),
             ("coat", Principled { coat: 1.0, coat_roughness: roughness, ..paint }),
@@ -224,6 +227,38 @@ fn white_furnaces_keep_all_light() {
                 }
             }
         }
+    }
+}
+
+/// What reflects nothing straight on and nothing at grazing angles follows Lambert's law.
+#[test]
+fn paint_without_a_surface_is_lamberts() {
+    let colour = Vec3::new(0.7, 0.4, 0.2);
+    let matt = Principled { specular: Vec3::ZERO, f90: 0.0, ..Principled::paint(colour, 0.3) };
+    let floor = floor(matt);
+    for degrees in ANGLES {
+        for k in 1..20 {
+            let (sin, cos) = (k as f32 * 0.08).sin_cos();
+            let direction = Vec3::new(0.6 * sin, 0.8 * sin, cos);
+            let value = bsdf_value(&floor, -arriving(degrees, true), direction);
+            let expected = colour.as_dvec3() * std::f64::consts::FRAC_1_PI;
+            assert!((value - expected).length() < 1e-5, "{degrees} {k}: {value} {expected}");
+        }
+    }
+}
+
+/// At grazing angles a smooth surface reflects the share that `f90` says of what it does else.
+#[test]
+fn f90_is_what_is_reflected_at_grazing_angles() {
+    let reflected = |f90: f32, metallic: f32| {
+        let black = Principled { f90, metallic, ..Principled::paint(Vec3::ZERO, 0.0) };
+        energy(&floor(black), arriving(89.99, true))
+    };
+    let (whole, _) = reflected(1.0, 0.0);
+    for (f90, metallic, share) in [(0.4, 0.0, 0.4), (0.4, 0.5, 0.7)] {
+        let (mean, error) = reflected(f90, metallic);
+        let expected = share * whole;
+        assert!((mean - expected).abs() < 0.005 + 4.0 * error, "{f90} {metallic}: {mean}");
     }
 }
 

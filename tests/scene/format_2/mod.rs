@@ -36,7 +36,7 @@ fn whole() -> Value {
         ],
         "materials": {
             "wall": {"type": "diffuse", "reflectance": [0.5, 0.6, 0.7]},
-            "glow": {"type": "principled", "reflectance": {"texture": "t.png"}, "specular": [1, 1, 0],
+            "glow": {"type": "principled", "reflectance": {"texture": "t.png"}, "specular": [1, 1, 0], "f90": 0.25,
                 "anisotropy": 0.5, "anisotropy_rotation": 30,
                 "radiance": [2, 3, 4], "textures": {
                     "roughness": {"file": "t.png", "channel": "green"},
@@ -89,12 +89,14 @@ fn every_key_is_read() {
     let grey = Material::diffuse(Vec3::new(0.5, 0.6, 0.7));
     assert_eq!([material(&scene, 0), material(&scene, 1)], [grey; 2]);
     assert_eq!(material(&scene, 2), Material::mirror(Vec3::ONE));
-    let Material::Principled(Principled { roughness, metallic, emission, specular, maps, .. }) =
-        material(&scene, 3)
+    let Material::Principled(Principled {
+        roughness, metallic, emission, specular, f90, maps, ..
+    }) = material(&scene, 3)
     else {
         panic!("{:?}", material(&scene, 3));
     };
     assert_eq!((roughness, metallic), (1.0, 1.0), "what textures multiply");
+    assert_eq!(f90, 0.25);
     assert_eq!((emission, specular), (Vec3::new(2.0, 3.0, 4.0), Vec3::new(1.0, 1.0, 0.0)));
     assert_eq!((maps.roughness.unwrap().channel, maps.metallic.unwrap().channel), (1, 2));
     assert_eq!(maps.normal.unwrap().scale, 0.5);

@@ -36,6 +36,8 @@ fn what_is_wrong_with_meshes_and_materials_is_named() {
         ("/meshes/0/transform/scale", json!(0), &["meshes[0].transform", "determinant"]),
         ("/meshes/0/transform/translate", json!([1e13, 0, 0]), &["meshes[0].transform.translate"]),
         ("/materials/wall/textures", json!({}), &["a diffuse material has no key `textures`"]),
+        ("/materials/wall/f90", json!(0.5), &["a diffuse material has no key `f90`"]),
+        ("/materials/glow/f90", json!(1.5), &["materials.glow", "f90", "from 0 to 1"]),
     ]);
 }
 

@@ -145,7 +145,7 @@ fn unlit_becomes_matt_paint() {
     .scene();
     let found = principled(&scene);
     let paint = Principled::paint(Vec3::new(0.5, 0.25, 1.0), 1.0);
-    assert_eq!(found, Principled { specular: Vec3::ZERO, ..paint });
+    assert_eq!(found, Principled { specular: Vec3::ZERO, f90: 0.0, ..paint });
     assert_warns(&scene, &["KHR_materials_unlit", "paint"]);
 }
 

@@ -196,6 +196,9 @@ fn add_layers(hasher: &mut Sha256, material: &Principled) {
     if material.thin_walled {
         hasher.update([1]);
     }
+    if material.f90 != 1.0 {
+        add(hasher, &[material.f90]);
+    }
     let Anisotropy { strength, rotation } = material.anisotropy;
     if strength > 0.0 {
         add(hasher, &[strength, rotation]);

@@ -74,7 +74,8 @@ class MaterialKeys(TypedDict, total=False):
     sheen_roughness: Number
     alpha: Number
     alpha_cutoff: Number
-    specular: Number
+    specular: Vector
+    f90: Number
     textures: Texture
 
 

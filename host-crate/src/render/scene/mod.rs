@@ -36,9 +36,9 @@ use crate::scene::{Camera, Material, PathLimits, Principled, Projection, Scene, 
 use bytemuck::{Pod, Zeroable};
 use glam::UVec4;
 use raystream_shaders::scene::abilities::{
-    ALL, ANISOTROPY, CAMERAS, COAT_NORMALS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, Fixed,
-    HOLES, INSTANCES, LAYER_MAPS, LIGHT_TREE, MEDIA, PLACED_TEXTURES, PRINCIPLED, PUNCTUAL,
-    TANGENTS, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
+    ALL, ANISOTROPY, CAMERAS, COAT_NORMALS, CONDUCTORS, COVER, EMISSION_MAPS, ENVIRONMENT, F90,
+    Fixed, HOLES, INSTANCES, LAYER_MAPS, LIGHT_TREE, MEDIA, NORMAL_MAPS, PLACED_TEXTURES,
+    PRINCIPLED, PUNCTUAL, TANGENTS, TEXTURES, VERTEX_COLOURS, WIDE_TEXTURES,
 };
 use raystream_shaders::scene::bsdf::layer_maps::LayerMaps;
 use raystream_shaders::scene::bsdf::{self, layers::Layers};
@@ -279,6 +279,8 @@ fn abilities(scene: &Scene, params: &SceneParams, lights: &Lights) -> u32 {
         (has_placed, PLACED_TEXTURES),
         (params.first_layer_maps != 0, LAYER_MAPS),
         (any(|m| m.principled().is_some_and(Principled::has_coat_normal)), COAT_NORMALS),
+        (any(|m| m.principled().is_some_and(Principled::has_normal_map)), NORMAL_MAPS),
+        (any(|m| m.principled().is_some_and(Principled::has_f90)), F90),
     ]
     .into_iter()
     .filter(|(uses, _)| *uses)

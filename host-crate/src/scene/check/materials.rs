@@ -47,6 +47,7 @@ impl Scene {
             ("metallic", material.metallic),
             ("roughness", material.roughness),
             ("transmission", material.transmission),
+            ("f90", material.f90),
             ("coat", material.coat),
             ("coat_roughness", material.coat_roughness),
             ("sheen_roughness", material.sheen_roughness),

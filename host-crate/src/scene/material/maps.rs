@@ -30,7 +30,7 @@ pub struct Maps {
     pub sheen_roughness: Option<Channel>,
     /// Of the share of light that passes.
     pub transmission: Option<Channel>,
-    /// Of `specular`, a share.
+    /// Of `specular` and of `f90`, a share.
     pub specular: Option<Channel>,
     /// Of `specular`, a colour, as sRGB.
     pub specular_colour: Option<TextureId>,

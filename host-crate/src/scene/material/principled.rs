@@ -31,6 +31,9 @@ pub struct Principled {
     /// Rec.709, each component in [0, 1e4]; white for a surface as physics has it. Glass
     /// (`transmission`) is not tinted so.
     pub specular: Vec3,
+    /// Share of light that the surface reflects at grazing angles where it is no metal, in [0, 1]:
+    /// 1 for a surface as physics has it. It has no effect on glass either.
+    pub f90: f32,
     /// Share of what is no metal that lets light pass as rough glass does, in [0, 1].
     pub transmission: f32,
     /// Whether what passes does not enter a body, but leaves through a second surface right behind
@@ -122,8 +125,18 @@ impl Principled {
 
     /// Whether it has a coat whose normal may be another than that of what is below.
     pub(crate) fn has_coat_normal(&self) -> bool {
+        self.coat > 0.0 && self.has_normal_map()
+    }
+
+    /// Whether it may reflect less than all light at grazing angles.
+    pub(crate) fn has_f90(&self) -> bool {
+        self.f90 != 1.0 || self.maps.specular.is_some()
+    }
+
+    /// Whether maps bend its normals.
+    pub(crate) fn has_normal_map(&self) -> bool {
         let Maps { normal, bump, coat_normal, .. } = self.maps;
-        self.coat > 0.0 && (normal.or(coat_normal).is_some() || bump.is_some())
+        normal.or(coat_normal).is_some() || bump.is_some()
     }
 
     /// Whether its surface bounds a body: light passes, enters, and finds no holes.
@@ -146,6 +159,7 @@ impl Principled {
             anisotropy: Anisotropy::default(),
             ior: 1.5,
             specular: Vec3::ONE,
+            f90: 1.0,
             transmission: 0.0,
             thin_walled: false,
             attenuation: None,

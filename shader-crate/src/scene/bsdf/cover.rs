@@ -148,7 +148,7 @@ impl Cover {
     }
 
     /// BSDF times cosine, and density per solid angle, chances included, of light from `i`, above
-    /// the surface.
+    /// the surface, or at least above the triangle.
     pub fn reflects<F: Abilities>(&self, abilities: F, o: Vec3, i: Vec3) -> (Vec3, f32) {
         let (mut coat, mut pdf) = (0.0, 0.0);
         let (seen, coated) = (self.seen(abilities, o), self.coated(abilities, i));
@@ -160,7 +160,8 @@ impl Cover {
             pdf = self.chances[0] * self.ggx.masking(seen) * lobe;
         }
         let mut value = Vec3::splat(coat);
-        if self.chances[1] > 0.0 {
+        let sees_fibres = !abilities.has(COAT_NORMALS) || i.z > 0.0;
+        if self.chances[1] > 0.0 && sees_fibres {
             let fibres = sheen::value(self.sheen_roughness, o, i) * self.sheen_scale;
             value += self.sheen * (self.below_coat * fibres);
             pdf += self.chances[1] * sheen::PDF;

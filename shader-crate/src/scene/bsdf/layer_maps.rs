@@ -150,6 +150,7 @@ fn multiplied(mut layers: Layers, number: u32, share: f32, colour: Vec3) -> Laye
         layers.transmission *= share;
     } else if number == SPECULAR {
         layers.specular *= share;
+        layers = layers.with_f90(layers.f90() * share);
     } else if number == GRAIN {
         layers = layers.with_strength(layers.strength() * colour.z);
     } else if number == SHEEN {

@@ -25,6 +25,11 @@ pub const ROTATION_BIT: u32 = 18;
 /// See [`Layers::flags`].
 pub const GRAIN_STEPS: u32 = 0x3fff;
 
+/// See [`Layers::channels`].
+pub const F90_BIT: u32 = 16;
+/// See [`Layers::channels`].
+pub const F90_STEPS: u32 = 0xffff;
+
 device_struct! {
     /// The record. 96 bytes.
     pub struct Layers {
@@ -47,7 +52,8 @@ device_struct! {
         /// What that texture's slopes are multiplied by.
         pub normal_scale: f32,
         /// Which of its texture's channels, 0 to 3, the roughness has, and, 8 bits further, the
-        /// share of metal.
+        /// share of metal; from bit [`F90_BIT`] on the share of light that a dielectric surface
+        /// reflects at grazing angles, 0 to [`F90_STEPS`] for 0 to 1.
         pub channels: u32,
         /// Rows from the albedos of surfaces to those of the boundary, where light passes.
         pub boundary_albedos: u32,
@@ -144,6 +150,18 @@ impl Layers {
     pub fn with_strength(mut self, strength: f32) -> Self {
         let steps = (strength * GRAIN_STEPS as f32 + 0.5) as u32;
         self.flags = self.flags & !(GRAIN_STEPS << STRENGTH_BIT) | steps << STRENGTH_BIT;
+        self
+    }
+
+    /// The share of light that a dielectric surface reflects at grazing angles, in [0, 1].
+    pub fn f90(&self) -> f32 {
+        (self.channels >> F90_BIT) as f32 * (1.0 / F90_STEPS as f32)
+    }
+
+    /// The layers with another [`Self::f90`], in [0, 1].
+    pub fn with_f90(mut self, f90: f32) -> Self {
+        let steps = (f90 * F90_STEPS as f32 + 0.5) as u32;
+        self.channels = self.channels & !(F90_STEPS << F90_BIT) | steps << F90_BIT;
         self
     }
 

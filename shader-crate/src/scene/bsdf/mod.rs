@@ -25,11 +25,12 @@ pub mod sheen;
 use crate::glam::{UVec4, Vec3};
 use crate::memory::device_struct;
 use crate::memory::rows::{float, vector};
-use crate::scene::abilities::{Abilities, PRINCIPLED};
+use crate::scene::abilities::{Abilities, COAT_NORMALS, PRINCIPLED};
+use crate::scene::normals::Normals;
 use albedo::AlbedoView;
 use dielectric::Dielectric;
 use layers::Layers;
-use principled::Principled;
+use principled::{Facing, Principled};
 
 /// Which BSDF a material has.
 #[cfg_attr(
@@ -85,14 +86,14 @@ impl Material {
         }
     }
 
-    /// The material at a point with this shading `normal`, which is on the side that the path came
-    /// from: `from_outside` says whether that is the front. What `geometric` is, [`Bsdf::geometric`]
-    /// says.
-    /// Principled materials have `layers` beside, a normal of the `coat`, a grain (see
-    /// [`Layers::grain`]), and look up `albedos`. The scene uses no more than `abilities`.
+    /// The material at a point with these normals on the side that the path came from, as lobes that
+    /// [mirror](Normals::mirroring) have them and as maps do: `from_outside` says whether that is the
+    /// front. Principled materials have `layers` beside, a grain (see [`Layers::grain`]), and look up
+    /// `albedos`. The scene uses no more than `abilities`.
     pub fn bsdf<'a, F: Abilities>(
         &self,
-        [normal, geometric, coat, grain]: [Vec3; 4],
+        [normals, mapped]: [Normals; 2],
+        grain: Vec3,
         from_outside: bool,
         layers: Layers,
         albedos: AlbedoView<'a>,
@@ -100,9 +101,10 @@ impl Material {
     ) -> Bsdf<'a, F> {
         Bsdf {
             kind: self.kind,
-            normal,
-            geometric,
-            coat,
+            normal: normals.shading,
+            geometric: normals.geometric,
+            coat: normals.coat,
+            mapped,
             grain,
             from_outside,
             reflectance: self.reflectance,
@@ -149,13 +151,16 @@ impl BsdfSample {
 pub struct Bsdf<'a, F> {
     /// Which one.
     pub kind: MaterialKind,
-    /// Shading normal, unit length, on the side of the shading frame that the path came from.
+    /// Shading normal, unit length, on the side of the shading frame that the path came from, for
+    /// lobes that mirror.
     pub normal: Vec3,
-    /// Unit normal on the same side: that of the triangle where a map of normals bends the shading
-    /// normal, else the shading normal itself.
+    /// See [`Normals::geometric`].
     pub geometric: Vec3,
-    /// Unit normal of the coat on the same side: that of the corners, or as a map of its own has it.
+    /// Unit normal of the coat on the same side: that of the corners, or as a map of its own has it;
+    /// for lobes that mirror.
     pub coat: Vec3,
+    /// The normals on the same side, whoever looks.
+    pub mapped: Normals,
     /// See [`Layers::grain`].
     pub grain: Vec3,
     /// Whether the path came from the front of the shading frame (outside, for a dielectric).
@@ -201,19 +206,28 @@ impl<F: Abilities> Bsdf<'_, F> {
         if !self.keeps_side(direction) {
             return BsdfSample { direction, weight: Vec3::ZERO, pdf: 0.0, eta: 1.0 };
         }
-        self.principled(self.coat).eval(self.normal, self.from_outside, incoming, direction)
+        self.principled(self.facing()).eval(self.from_outside, incoming, direction)
     }
 
     /// Whether `direction` is on the same side of the triangle as of the normal that a map has
-    /// bent. Light must not pass a wall because it is above the bumps that a map feigns.
+    /// bent. Light must not pass a wall because it is above the bumps that a map feigns. A coat that
+    /// faces elsewhere says by itself what of the triangle's side it reflects.
     fn keeps_side(&self, direction: Vec3) -> bool {
-        direction.dot(self.normal) * direction.dot(self.geometric) > 0.0
+        let above = direction.dot(self.geometric);
+        let is_coats = self.abilities.has(COAT_NORMALS) && above > 0.0;
+        is_coats || direction.dot(self.normal) * above > 0.0
     }
 
-    /// The material with this normal of the coat.
-    fn principled(&self, coat: Vec3) -> Principled<'_, F> {
+    /// What faces the side that the path came from.
+    fn facing(&self) -> Facing {
+        let Self { normal, geometric, coat, mapped, .. } = *self;
+        Facing { normal, geometric, coat, base: mapped.shading }
+    }
+
+    /// The material whose lobes face this way.
+    fn principled(&self, facing: Facing) -> Principled<'_, F> {
         let Self { reflectance, layers, grain, ior, albedos, abilities, .. } = *self;
-        Principled { colour: reflectance, layers, coat, grain, ior, albedos, abilities }
+        Principled { colour: reflectance, layers, facing, grain, ior, albedos, abilities }
     }
 
     /// What it says of a given `direction`. Density 0: no light comes from there. Delta
@@ -261,11 +275,12 @@ impl<F: Abilities> Bsdf<'_, F> {
     /// What a principled material says of light from where the path arrived along `incoming`, as
     /// `direction` sees it.
     fn eval_back(&self, incoming: Vec3, direction: Vec3) -> BsdfSample {
-        let crosses = direction.dot(self.normal) < 0.0;
-        let normal = if crosses { -self.normal } else { self.normal };
-        let coat = if crosses { -self.coat } else { self.coat };
-        let from_outside = self.from_outside != crosses;
-        self.principled(coat).eval(normal, from_outside, -direction, -incoming)
+        let crosses = direction.dot(self.geometric) < 0.0;
+        let mapped = self.mapped.on_side(if crosses { -1.0 } else { 1.0 });
+        let Normals { shading: normal, geometric, coat } =
+            mapped.mirroring(direction, self.abilities);
+        let facing = Facing { normal, geometric, coat, base: mapped.shading };
+        self.principled(facing).eval(self.from_outside != crosses, -direction, -incoming)
     }
 
     /// What flux that arrived along `incoming` is multiplied by where `sample` was picked: the BSDF
@@ -286,13 +301,8 @@ impl<F: Abilities> Bsdf<'_, F> {
     /// (`u`) and for the choice of the lobe.
     pub fn sample(&self, incoming: Vec3, u: [f32; 2], lobe: f32) -> BsdfSample {
         if self.is_principled() {
-            let mut sample = self.principled(self.coat).sample(
-                self.normal,
-                self.from_outside,
-                incoming,
-                u,
-                lobe,
-            );
+            let material = self.principled(self.facing());
+            let mut sample = material.sample(self.from_outside, incoming, u, lobe);
             if !self.keeps_side(sample.direction) {
                 sample.weight = Vec3::ZERO;
             }

@@ -8,12 +8,12 @@
 //!
 //! Its lobes are
 //!
-//! - *surface*: reflection by microfacets ([`Ggx`], or [`Anisotropic`] ones) with Schlick's Fresnel term, or that of a
-//!   [conductor](super::conductor);
+//! - *surface*: reflection by microfacets ([`Ggx`], or [`Anisotropic`] ones) with Schlick's Fresnel
+//!   term, or that of a [conductor](super::conductor);
 //! - *base*: what follows the cosine: the diffuse base, by the share that the surface lets pass on
 //!   both ways, and what light has been reflected by several microfacets. Both are those of Kulla
 //!   and Conty, "Revisiting Physically Based Shading at Imageworks", 2017: nothing is lost, and
-//!   both directions are worth the same;
+//!   both directions are worth the same. It has the normal that maps say, whoever looks;
 //! - *boundary*: reflection and refraction by a microfacet of a [boundary](super::boundary);
 //! - *below*: what several microfacets of the boundary let pass, which follows the cosine on the
 //!   far side.
@@ -29,7 +29,9 @@ use super::layers::Layers;
 use super::reflector::{Albedo, Reflector};
 use crate::glam::Vec3;
 use crate::math::{sample_cosine_hemisphere, tangent_frame};
-use crate::scene::abilities::{ANISOTROPY, Abilities, COAT_NORMALS, CONDUCTORS, COVER};
+use crate::scene::abilities::{
+    ANISOTROPY, Abilities, COAT_NORMALS, CONDUCTORS, COVER, F90, NORMAL_MAPS,
+};
 use core::f32::consts::FRAC_1_PI;
 
 /// Least cosine of a direction from which a surface is seen: at the horizon densities have no
@@ -40,6 +42,19 @@ const HORIZON: f32 = 1e-4;
 /// 1, but for roundings.
 const UNBENT: f32 = 1.0 - 1e-6;
 
+/// Unit normals of the lobes, on the side that the path came from.
+#[derive(Clone, Copy)]
+pub struct Facing {
+    /// Of those that [mirror](crate::scene::normals::Normals::mirroring), and of all that follows.
+    pub normal: Vec3,
+    /// See [`Normals::geometric`](crate::scene::normals::Normals::geometric).
+    pub geometric: Vec3,
+    /// Of the coat.
+    pub coat: Vec3,
+    /// Of the base.
+    pub base: Vec3,
+}
+
 /// The material at a point.
 #[derive(Clone, Copy)]
 pub struct Principled<'a, F> {
@@ -47,8 +62,8 @@ pub struct Principled<'a, F> {
     pub colour: Vec3,
     /// The rest of it.
     pub layers: Layers,
-    /// Unit normal of the coat, on the side that the path came from.
-    pub coat: Vec3,
+    /// Which way it faces.
+    pub facing: Facing,
     /// The direction along which the surface is rougher, see [`Layers::grain`].
     pub grain: Vec3,
     /// Index of refraction behind the front, relative to the outside.
@@ -84,17 +99,11 @@ struct Lobes {
 
 impl<F: Abilities> Principled<'_, F> {
     /// BSDF times cosine over density, and density per solid angle, of a `direction` that light
-    /// comes from where the path arrived along `incoming`; `normal` is the shading normal on the
-    /// side that it came from, `from_outside` says which side that is.
+    /// comes from where the path arrived along `incoming`; `from_outside` says which side it came
+    /// from.
     #[inline(always)]
-    pub fn eval(
-        &self,
-        normal: Vec3,
-        from_outside: bool,
-        incoming: Vec3,
-        direction: Vec3,
-    ) -> BsdfSample {
-        let frame = self.frame(normal);
+    pub fn eval(&self, from_outside: bool, incoming: Vec3, direction: Vec3) -> BsdfSample {
+        let frame = self.frame(self.facing.normal);
         let o = frame.seen(incoming);
         let lobes = self.lobes(&frame, o, from_outside);
         self.evaluate(&lobes, o, frame.local(direction), direction)
@@ -102,26 +111,24 @@ impl<F: Abilities> Principled<'_, F> {
 
     /// A direction, by uniform numbers in [0, 1) for the direction (`u`) and for the choice of the
     /// `lobe`; the rest is as in [`Self::eval`].
-    pub fn sample(
-        &self,
-        normal: Vec3,
-        from_outside: bool,
-        incoming: Vec3,
-        u: [f32; 2],
-        lobe: f32,
-    ) -> BsdfSample {
-        let frame = self.frame(normal);
+    pub fn sample(&self, from_outside: bool, incoming: Vec3, u: [f32; 2], lobe: f32) -> BsdfSample {
+        let frame = self.frame(self.facing.normal);
         let o = frame.seen(incoming);
         let lobes = self.lobes(&frame, o, from_outside);
-        let (i, crosses) = if self.abilities.has(COVER) && lobes.cover.takes(lobe) {
+        let is_covers = self.abilities.has(COVER) && lobes.cover.takes(lobe);
+        let (i, crosses) = if is_covers {
             (lobes.cover.sample(self.abilities, o, u, lobe), false)
         } else {
             let lobe = if self.abilities.has(COVER) { lobes.cover.rest(lobe) } else { lobe };
-            self.sample_lobe(&lobes, o, u, lobe)
+            self.sample_lobe(&lobes, &frame, o, u, lobe)
         };
         let i = i.normalize();
         let mut sample = self.evaluate(&lobes, o, i, frame.world(i));
-        if crosses == (i.z >= 0.0) {
+        let mut is_lost = crosses == (i.z >= 0.0);
+        if self.abilities.has(COAT_NORMALS) && is_covers {
+            is_lost = sample.direction.dot(self.facing.geometric) <= 0.0;
+        }
+        if is_lost {
             // A single microfacet sends no light there.
             sample.weight = Vec3::ZERO;
         }
@@ -138,15 +145,20 @@ impl<F: Abilities> Principled<'_, F> {
         let straight = (self.ior - 1.0) / (self.ior + 1.0);
         let here = self.albedo(o);
         let mean = self.mean_albedo();
-        let over_base =
-            Reflector::new((layers.specular * (straight * straight)).min(Vec3::ONE), mean);
+        let f0 = (layers.specular * (straight * straight)).min(Vec3::ONE);
+        let mut f90 = 1.0;
+        if self.abilities.has(F90) {
+            f90 = layers.f90();
+        }
+        let over_base = Reflector::new(f0, f90, mean);
         let of_metal = if self.is_conductor() {
             Reflector::of_mean(self.colour, self.conductor().mean, mean)
         } else {
-            Reflector::new(self.colour, mean)
+            Reflector::new(self.colour, 1.0, mean)
         };
         let surface = Reflector {
             f0: over_base.f0.lerp(of_metal.f0, metal),
+            f90: f90 + (1.0 - f90) * metal,
             several: over_base.several.lerp(of_metal.several, metal),
         };
         let base = self.colour * (1.0 - metal);
@@ -165,8 +177,8 @@ impl<F: Abilities> Principled<'_, F> {
         let mut cover = Cover::NONE;
         if self.abilities.has(COVER) && (from_outside || transmission == 0.0) {
             let mut coat = Vec3::Z;
-            if self.abilities.has(COAT_NORMALS) && self.coat.dot(frame.z) < UNBENT {
-                coat = frame.local(self.coat);
+            if self.abilities.has(COAT_NORMALS) && self.facing.coat.dot(frame.z) < UNBENT {
+                coat = frame.local(self.facing.coat);
             }
             cover = Cover::new(layers, coat, o, self.albedos, all, self.abilities);
         }
@@ -228,7 +240,18 @@ impl<F: Abilities> Principled<'_, F> {
 
     /// A direction by one of the lobes below the cover, and whether it crosses the surface.
     #[inline(always)]
-    fn sample_lobe(&self, lobes: &Lobes, o: Vec3, u: [f32; 2], lobe: f32) -> (Vec3, bool) {
+    fn sample_lobe(
+        &self,
+        lobes: &Lobes,
+        frame: &Frame,
+        o: Vec3,
+        u: [f32; 2],
+        lobe: f32,
+    ) -> (Vec3, bool) {
+        let [surface, base, _] = lobes.chances;
+        if self.abilities.has(NORMAL_MAPS) && lobe >= surface && lobe < surface + base {
+            return (frame.local(sample_cosine_hemisphere(self.facing.base, u)), false);
+        }
         if self.has_grain() && lobe < lobes.chances[0] {
             return ((-o).reflect(lobes.stretched.sample_visible(o, u)), false);
         }
@@ -258,7 +281,15 @@ impl<F: Abilities> Principled<'_, F> {
         let mut value = Vec3::ZERO;
         let mut pdf = 0.0;
         let mut eta = 1.0;
-        if i.z > 0.0 {
+        let mut keeps_side = true;
+        let mut reaches_cover = i.z > 0.0;
+        if self.abilities.has(NORMAL_MAPS) {
+            let is_above = direction.dot(self.facing.geometric) > 0.0;
+            keeps_side = is_above == (i.z > 0.0);
+            // A coat that faces elsewhere sees what lies behind what is below it.
+            reaches_cover = is_above && (reaches_cover || self.abilities.has(COAT_NORMALS));
+        }
+        if i.z > 0.0 && keeps_side {
             let h = (o + i).normalize();
             let cosine = o.dot(h).clamp(0.0, 1.0);
             let mut lobe = lobes.ggx.distribution(h) / (4.0 * o.z);
@@ -275,10 +306,15 @@ impl<F: Abilities> Principled<'_, F> {
             }
             value += reflected * (opaque * both * lobe);
             pdf += surface * seen * lobe;
-            value += self.cosine_lobe(lobes, i) * (opaque * i.z * FRAC_1_PI);
-            pdf += base * i.z * FRAC_1_PI;
+            let mut of_base = i;
+            if self.abilities.has(NORMAL_MAPS) {
+                of_base = self.frame(self.facing.base).local(direction);
+                of_base.z = of_base.z.max(0.0);
+            }
+            value += self.cosine_lobe(lobes, of_base) * (opaque * of_base.z * FRAC_1_PI);
+            pdf += base * of_base.z * FRAC_1_PI;
         }
-        if lobes.transmission > 0.0 && i.z != 0.0 {
+        if lobes.transmission > 0.0 && i.z != 0.0 && keeps_side {
             let scattered = lobes.boundary.scattered(o, i, self.boundary_albedos());
             let mut tint = Vec3::ONE;
             if i.z < 0.0 {
@@ -293,7 +329,7 @@ impl<F: Abilities> Principled<'_, F> {
             let [coat, sheen] = lobes.cover.chances;
             value *= lobes.cover.passes;
             pdf *= (1.0 - coat - sheen).max(0.0);
-            if i.z > 0.0 {
+            if reaches_cover {
                 let (reflected, density) = lobes.cover.reflects(self.abilities, o, i);
                 value += reflected;
                 pdf += density;

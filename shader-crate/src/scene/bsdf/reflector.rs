@@ -25,6 +25,8 @@ impl Albedo {
 pub struct Reflector {
     /// Reflectance at normal incidence.
     pub f0: Vec3,
+    /// Reflectance at grazing angles.
+    pub f90: f32,
     /// Reflectance, by several of them, of light that one has not let go, in the mean.
     pub several: Vec3,
 }
@@ -32,24 +34,25 @@ pub struct Reflector {
 impl Reflector {
     /// With several reflections by Fdez-Agüera, "A Multiple-Scattering Microfacet Model for
     /// Real-Time Image-based Lighting", JCGT 8(1), 2019: a geometric series of the mean.
-    pub fn new(f0: Vec3, mean: Albedo) -> Self {
-        Self::of_mean(f0, f0 + (Vec3::ONE - f0) * (1.0 / 21.0), mean)
+    pub fn new(f0: Vec3, f90: f32, mean: Albedo) -> Self {
+        let f_mean = f0 + (Vec3::splat(f90) - f0) * (1.0 / 21.0);
+        Self { f90, ..Self::of_mean(f0, f_mean, mean) }
     }
 
     /// The same of another Fresnel term than Schlick's, with this mean over the hemisphere.
     pub fn of_mean(f0: Vec3, f_mean: Vec3, mean: Albedo) -> Self {
         let several = f_mean * f_mean * (1.0 - mean.missed) / (Vec3::ONE - f_mean * mean.missed);
-        Self { f0, several }
+        Self { f0, f90: 1.0, several }
     }
 
     /// Reflectance of one microfacet that is seen under a `cosine` (Schlick 1994).
     pub fn schlick(&self, cosine: f32) -> Vec3 {
-        self.f0 + (Vec3::ONE - self.f0) * grazing(cosine)
+        self.f0 + (Vec3::splat(self.f90) - self.f0) * grazing(cosine)
     }
 
     /// What one reflection leaves of a direction's light.
     pub fn once(&self, albedo: Albedo) -> Vec3 {
-        self.f0 * albedo.a + albedo.b
+        self.f0 * albedo.a + albedo.b * self.f90
     }
 
     /// What gets past the microfacets.

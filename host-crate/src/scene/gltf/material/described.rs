@@ -125,7 +125,7 @@ impl Reader<'_, '_> {
             name: self.name.clone(),
         };
         if extensions.is_some_and(|all| all.unlit.is_some()) {
-            described.plain.specular = Vec3::ZERO;
+            (described.plain.specular, described.plain.f90) = (Vec3::ZERO, 0.0);
             self.note(MATT, "KHR_materials_unlit");
             described.slots = self.slots;
             return Ok(described);
@@ -198,11 +198,7 @@ impl Reader<'_, '_> {
             });
             let texture = specular.specular_color_texture.as_ref();
             self.slot(texture, &[rule::Slot::SpecularColour], "specularColorTexture")?;
-            if factor < 1.0 || specular.specular_texture.is_some() {
-                let what = "reflection at grazing angles is not made less by specularFactor: ";
-                self.note(Fate::Judged(what), "specularFactor");
-            }
-            plain.specular = colour * factor;
+            (plain.specular, plain.f90) = (colour * factor, factor);
         }
         if let Some(transmission) = &extensions.transmission {
             let factor = self.share("transmissionFactor", transmission.transmission_factor.0);

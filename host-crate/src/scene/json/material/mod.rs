@@ -74,6 +74,8 @@ struct MaterialKeys {
     #[serde(default, deserialize_with = "present")]
     specular: Option<Factor>,
     #[serde(default, deserialize_with = "present")]
+    f90: Option<Share>,
+    #[serde(default, deserialize_with = "present")]
     textures: Option<Object<TextureKeys>>,
 }
 
@@ -257,6 +259,7 @@ impl MaterialKeys {
             sheen: self.sheen.map_or(plain.sheen, |Colour(colour)| colour),
             sheen_roughness: share(self.sheen_roughness, plain.sheen_roughness),
             specular: self.specular.map_or(plain.specular, |Factor(factor)| factor),
+            f90: share(self.f90, plain.f90),
             opacity,
             emission,
             ..plain
@@ -328,6 +331,7 @@ impl MaterialKeys {
             ("sheen", self.sheen.is_some()),
             ("sheen_roughness", self.sheen_roughness.is_some()),
             ("specular", self.specular.is_some()),
+            ("f90", self.f90.is_some()),
             ("textures", self.textures.is_some()),
             ("alpha", self.alpha.is_some()),
             ("alpha_cutoff", self.alpha_cutoff.is_some()),
