@@ -31,8 +31,9 @@ use std::time::Duration;
 /// The options of `raystream render`.
 #[derive(Args)]
 pub struct RenderArguments {
-    /// A scene file, a glTF (.gltf, .glb), a PLY, the name of a scene that ships (see `raystream
-    /// scenes`), or - for a scene on standard input, whose paths start from the working folder.
+    /// A scene file, a glTF (.gltf, .glb), an OBJ, a PLY, the name of a scene that ships (see
+    /// `raystream scenes`), or - for a scene on standard input, whose paths start from the working
+    /// folder.
     #[arg(default_value = DEFAULT_SCENE)]
     pub(crate) scene: PathBuf,
     /// Where to write the picture; .exr for all layers in full precision, .png for a look. May be

@@ -24,7 +24,7 @@ use std::time::Duration;
 #[derive(Clone, Debug, Parser)]
 #[command(name = "raystream-view", version, max_term_width = 100)]
 pub struct Arguments {
-    /// A scene file, a glTF or a PLY, or the name of a scene that ships.
+    /// A scene file, a glTF, an OBJ or a PLY, or the name of a scene that ships.
     #[arg(default_value = DEFAULT_SCENE)]
     pub scene: PathBuf,
     /// Where to render: auto (the best GPU, else the CPU), cpu, gpu, or a part of a device's name.

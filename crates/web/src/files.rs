@@ -1,10 +1,7 @@
 //! Files that were given to the page, and the scene among them.
 
-use raystream::scene::{Environment, FilmSize, LoadOptions, Scene, SceneError};
-use serde_json::json;
-use std::borrow::Cow;
+use raystream::scene::{LoadOptions, Scene, SceneError};
 use std::collections::BTreeMap;
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Files by their paths, as they were given.
@@ -76,47 +73,14 @@ impl Files {
         self.0.keys().map(PathBuf::as_path).filter(ends).collect()
     }
 
-    /// The scene of a file and of those that it names. An OBJ, which has neither camera nor
-    /// background, is seen from where all of it is in the picture, and lit from all around unless
-    /// something of it emits light.
+    /// The scene of a file and of those that it names.
     ///
     /// # Errors
     /// If a file is missing or wrong; the message names it.
-    pub fn load(&mut self, scene: &Path) -> Result<Scene, SceneError> {
+    pub fn load(&self, scene: &Path) -> Result<Scene, SceneError> {
         let options = LoadOptions { max_memory: MAX_MEMORY, ..LoadOptions::default() };
-        if scene.extension().is_none_or(|end| !end.eq_ignore_ascii_case("obj")) {
-            return options.load_files(&self.0, scene);
-        }
-        let description = scene.with_extension("obj.json");
-        self.0.insert(description.clone(), description_of(scene).into_bytes());
-        let loaded = options.load_files(&self.0, &description);
-        self.0.remove(&description);
-        let mut loaded = loaded?;
-        loaded.frame_all();
-        if !loaded.emits() {
-            loaded.set_environment(Environment::studio());
-        }
-        let name = scene.display();
-        loaded.warnings.push(format!("{name}: an OBJ has no camera; all of it is seen."));
-        Ok(loaded)
+        options.load_files(&self.0, scene)
     }
-}
-
-/// A scene file that names an OBJ, with a camera that stands anywhere.
-fn description_of(obj: &Path) -> String {
-    fn name(part: Option<&OsStr>) -> Cow<'_, str> {
-        part.unwrap_or_default().to_string_lossy()
-    }
-    let FilmSize { width, height } = FilmSize::default();
-    json!({
-        "format": 1,
-        "name": name(obj.file_stem()),
-        "obj": name(obj.file_name()),
-        "normals": "smooth",
-        "film": { "width": width, "height": height },
-        "camera": { "origin": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y": 40 },
-    })
-    .to_string()
 }
 
 fn listed(paths: &[&Path]) -> String {
@@ -130,10 +94,6 @@ fn listed(paths: &[&Path]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
-    use raystream::render::scene::camera::camera as on_film;
-    use raystream_shaders::scene::abilities::{ALL, Fixed};
-    use raystream_shaders::scene::camera::NO_PIXEL;
 
     const OBJ: &str =
         "mtllib Box.mtl\nv -1 0 0\nv 3 0 0\nv 3 2 0\nv -1 2 -1\nusemtl red\nf 1 2 3 4\n";
@@ -163,34 +123,19 @@ mod tests {
     }
 
     #[test]
-    fn an_obj_is_seen_and_lit_as_a_whole() {
-        let mut files = files(&[("d/box.obj", OBJ), ("d/box.mtl", MTL), ("other.txt", "")]);
+    fn what_a_file_names_is_found() {
+        let files = files(&[("d/box.obj", OBJ), ("d/box.mtl", MTL), ("other.txt", "")]);
         let scene = files.load(Path::new("d/box.obj")).unwrap();
         assert_eq!((scene.name.as_str(), scene.triangle_count()), ("box", 2));
-        assert!(scene.environment.is_some());
-        let camera = on_film(&scene.camera, scene.film);
-        let is_seen = |corner: &Vec3| {
-            let sight = camera.sight(Fixed::<ALL>, *corner, [0.5; 2]);
-            sight.is_ahead && camera.pixel_at(sight.place) != NO_PIXEL
-        };
-        assert!(scene.meshes.iter().all(|mesh| mesh.positions.iter().all(is_seen)));
-        assert!(!is_seen(&Vec3::new(9.0, 0.0, 0.0)));
-        assert_eq!(files.0.len(), 3, "nothing is left behind");
-    }
-
-    #[test]
-    fn an_obj_that_emits_light_is_lit_by_itself() {
-        let mut files = files(&[("a.obj", OBJ), ("box.mtl", "newmtl red\nKe 1 1 1\n")]);
-        assert!(files.load(Path::new("a.obj")).unwrap().environment.is_none());
+        assert!(!scene.warnings.iter().any(|warning| warning.contains("MTL")));
     }
 
     #[test]
     fn what_is_wrong_is_said_by_name() {
-        let mut files = files(&[("a.glb", "no glTF"), ("b.obj", "f 1 2 3\n"), ("c.json", "{")]);
+        let files = files(&[("a.glb", "no glTF"), ("b.obj", "f 1 2 3\n"), ("c.json", "{")]);
         for (path, part) in [("a.glb", "a.glb"), ("b.obj", "b.obj"), ("c.json", "c.json")] {
             let message = files.load(Path::new(path)).unwrap_err().to_string();
             assert!(message.contains(part), "{message}");
         }
-        assert_eq!(files.0.len(), 3);
     }
 }

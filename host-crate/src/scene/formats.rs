@@ -31,6 +31,7 @@ pub(super) fn load_bytes(
     let (format, name) = (Format::of(file.path, file.bytes), file.path.display());
     let mut scene = match format {
         Format::Json => json::load(source, file, options),
+        Format::Obj => json::load_obj(source, file, options),
         Format::Gltf => gltf::load(source, file, options),
         Format::Ply => ply::load(file, options),
     }?;
@@ -52,6 +53,8 @@ enum Format {
     Json,
     /// glTF 2.0, as text or binary.
     Gltf,
+    /// Meshes with MTL files.
+    Obj,
     /// Meshes alone.
     Ply,
 }
@@ -66,6 +69,7 @@ impl Format {
         } else {
             by_ending(path)
                 .or_else(|| is_gltf_text(bytes).then_some(Self::Gltf))
+                .or_else(|| json::is_obj(bytes).then_some(Self::Obj))
                 .unwrap_or(Self::Json)
         }
     }
@@ -75,7 +79,13 @@ impl Format {
 fn by_ending(path: &Path) -> Option<Format> {
     let ending = path.extension()?.to_str()?;
     let is = |known: &str| ending.eq_ignore_ascii_case(known);
-    if is("gltf") || is("glb") { Some(Format::Gltf) } else { is("ply").then_some(Format::Ply) }
+    if is("gltf") || is("glb") {
+        Some(Format::Gltf)
+    } else if is("obj") {
+        Some(Format::Obj)
+    } else {
+        is("ply").then_some(Format::Ply)
+    }
 }
 
 /// Whether a text has the one key that every glTF has, and not the one that every scene file has.
@@ -120,5 +130,7 @@ mod tests {
         assert_eq!(format("scan", "ply\r\nformat ascii 1.0"), Format::Ply);
         assert_eq!(format("scan.ply", ""), Format::Ply);
         assert_eq!(format("scan.txt", "plywood"), Format::Json);
+        assert_eq!(format("a.OBJ", "# nothing"), Format::Obj);
+        assert_eq!(format("-", "# of a program\n\nmtllib a.mtl\n"), Format::Obj);
     }
 }

@@ -13,10 +13,10 @@ use std::path::{Path, PathBuf};
 
 impl LoadOptions {
     /// Loads a scene file with its OBJs, MTLs, textures and environment, a glTF (`.gltf` or `.glb`)
-    /// with its buffers and textures, or a PLY. What a file is goes by its content, or else by the
-    /// end of its name.
+    /// with its buffers and textures, an OBJ with its MTLs, or a PLY. What a file is goes by its
+    /// content, or else by the end of its name.
     ///
-    /// A glTF or PLY without a camera is seen from where all of it is in the picture, and one
+    /// A glTF, OBJ or PLY without a camera is seen from where all of it is in the picture, and one
     /// without light is lit by [`Environment::studio`](super::Environment::studio).
     ///
     /// # Errors

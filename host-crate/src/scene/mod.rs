@@ -1,7 +1,7 @@
 //! Scenes as plain data, and the loaders that end there.
 //!
-//! A [`Scene`] is loaded from a [file](load) (a scene file of format 1 with its OBJ, a glTF or a
-//! PLY), from one of those that [ship](load_named), or built in code:
+//! A [`Scene`] is loaded from a [file](load) (a scene file with its OBJs, a glTF, an OBJ or a PLY),
+//! from one of those that [ship](load_named), or built in code:
 //!
 //! ```
 //! use glam::Vec3;

@@ -1,5 +1,6 @@
 //! Files as other programs write them become the scene that they mean.
 
+mod alone;
 mod geometry;
 mod materials;
 mod refused;

@@ -17,6 +17,8 @@ fn folder() -> tempfile::TempDir {
         property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
         0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     std::fs::write(folder.path().join("scan.ply"), ply).unwrap();
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::fs::write(folder.path().join("part.obj"), obj).unwrap();
     folder
 }
 
@@ -39,6 +41,11 @@ fn models_are_rendered() {
     render(folder, "scan.ply --spp 1 --size 16x12 -o b.png")
         .succeeded()
         .says(&["scan: 1 triangles", "a PLY has no camera"]);
+    render(folder, "part.obj --spp 1 --size 16x12 -o d.png").succeeded().says(&[
+        "part: 1 triangles",
+        "an OBJ has no camera",
+        "soft studio",
+    ]);
     render(folder, "a.glb --spp 1 --camera back -o c.png")
         .failed(&["no camera is called `back`", "`front`, `from the side`"]);
     render(folder, "cornell_ball --spp 1 --camera back -o c.png").failed(&["the scene has none"]);

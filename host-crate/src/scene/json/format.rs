@@ -24,8 +24,9 @@ use std::path::Path;
 #[derive(Debug)]
 pub(super) struct SceneFile {
     pub name: String,
-    film: Film,
-    camera: FileCamera,
+    pub film: FilmSize,
+    /// None where all is to be seen.
+    camera: Option<FileCamera>,
     /// In the order in which they are loaded.
     pub meshes: Vec<FileMesh>,
     /// Those that meshes may name.
@@ -144,8 +145,8 @@ impl From<Format1> for SceneFile {
         };
         Self {
             name: file.name,
-            film: file.film.0,
-            camera: file.camera.0,
+            film: file.film.0.into(),
+            camera: Some(file.camera.0),
             meshes: vec![mesh],
             materials: BTreeMap::new(),
             quads: file.quads.into_iter().map(|Object(quad)| quad).collect(),
@@ -175,8 +176,8 @@ impl From<Format2> for SceneFile {
         let named = |(name, Object(material))| (name, material);
         Self {
             name: file.name,
-            film: file.film.0,
-            camera: file.camera.0,
+            film: file.film.0.into(),
+            camera: Some(file.camera.0),
             meshes: file.meshes.into_iter().enumerate().map(mesh).collect(),
             materials: file.materials.into_iter().map(named).collect(),
             quads: file.quads.into_iter().map(|Object(quad)| quad).collect(),
@@ -206,15 +207,40 @@ impl SceneFile {
         }
     }
 
-    pub(super) fn film(&self) -> FilmSize {
-        FilmSize { width: self.film.width.0, height: self.film.height.0 }
+    /// What there would be of an OBJ alone.
+    pub(super) fn of_obj(path: &Path) -> Self {
+        let mesh = FileMesh {
+            key: String::new(),
+            place: String::new(),
+            file: path.to_string_lossy().into_owned(),
+            transform: None,
+            instances: None,
+            material: None,
+            materials: BTreeMap::new(),
+            normals: Normals::Smooth,
+            dedupe: false,
+        };
+        Self {
+            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            film: FilmSize::default(),
+            camera: None,
+            meshes: vec![mesh],
+            materials: BTreeMap::new(),
+            quads: Vec::new(),
+            lights: Vec::new(),
+            environment: None,
+            background: Vec3::ZERO,
+            integrator: Integrator::default(),
+        }
     }
 
-    /// The camera, with `origin` taken off its place; the error says what is then wrong with it.
-    pub(super) fn camera(&self, origin: DVec3) -> Result<Camera, String> {
-        let camera = self.camera.seen_from(origin)?;
+    /// The camera, if there is one, with `origin` taken off its place; the error says what is then
+    /// wrong with it.
+    pub(super) fn camera(&self, origin: DVec3) -> Result<Option<Camera>, String> {
+        let Some(camera) = &self.camera else { return Ok(None) };
+        let camera = camera.seen_from(origin)?;
         camera.check()?;
-        Ok(camera)
+        Ok(Some(camera))
     }
 
     pub(super) fn limits(&self) -> PathLimits {
@@ -271,6 +297,12 @@ fn known_key(path: &str) -> String {
 struct Film {
     width: FilmSide,
     height: FilmSide,
+}
+
+impl From<Film> for FilmSize {
+    fn from(film: Film) -> Self {
+        Self { width: film.width.0, height: film.height.0 }
+    }
 }
 
 #[derive(Debug, Deserialize)]

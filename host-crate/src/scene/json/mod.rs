@@ -1,5 +1,6 @@
 //! Scene files: JSON that names OBJs, and says where they are, what their materials are, what
-//! lights them and where they are seen from. Format 1 has one OBJ, format 2 any number.
+//! lights them and where they are seen from. Format 1 has one OBJ, format 2 any number. An OBJ
+//! alone is a scene, too: that of a scene file which says nothing else.
 
 mod camera;
 mod choice;
@@ -23,8 +24,11 @@ use self::names::Names;
 use self::parts::{Parts, Places};
 use self::surfaces::Sources;
 use super::bounds;
+use super::camera::Camera;
 use super::description::{DARK, Scene};
+use super::environment::{Environment, LIT_BY_DEFAULT};
 use super::error::SceneError;
+use super::framing::FRAMED;
 use super::gltf;
 use super::obj::{Obj, Part, Placement};
 use super::options::LoadOptions;
@@ -32,8 +36,9 @@ use super::picture::Pictures;
 use super::ply;
 use super::recentre::origin_of;
 use super::source::{SceneBytes, Source};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use serde::de::Error as _;
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -54,7 +59,48 @@ pub(super) fn load(
     for LoadedObj { rules, obj, .. } in &meshes {
         check_overrides(path, rules, obj)?;
     }
+    let mut scene = assemble(&names, &file, &meshes, options)?;
+    if !scene.emits() {
+        scene.warnings.push(format!("{}: {DARK}", path.display()));
+    }
+    Ok(scene)
+}
 
+/// Loads an OBJ with its MTLs as a scene: all of it is seen, and lit unless something of it emits
+/// light.
+pub(super) fn load_obj(
+    source: &dyn Source,
+    SceneBytes { path, folder, bytes }: SceneBytes<'_>,
+    options: &LoadOptions,
+) -> Result<Scene, SceneError> {
+    let file = SceneFile::of_obj(path);
+    let names = Names { source, scene: path, folder };
+    let obj = Obj::parse(path, bytes, true, options.max_memory)?;
+    let (path, text) = (path.to_owned(), Cow::Borrowed(bytes));
+    let name = path.display().to_string();
+    let meshes = [LoadedObj { rules: &file.meshes[0], path, text, obj }];
+    let mut scene = assemble(&names, &file, &meshes, options)?;
+    scene.warnings.push(format!("{name}: an OBJ has no camera; {FRAMED}"));
+    if !scene.emits() {
+        scene.set_environment(Environment::studio());
+        scene.warnings.push(format!("{name}: none of it emits light; {LIT_BY_DEFAULT}"));
+    }
+    Ok(scene)
+}
+
+/// Whether a text looks like an OBJ.
+pub(super) fn is_obj(text: &[u8]) -> bool {
+    wrong_kind::looks_like_obj(text)
+}
+
+/// The scene of a file and of what it names.
+fn assemble(
+    names: &Names<'_>,
+    file: &SceneFile,
+    meshes: &[LoadedObj<'_>],
+    options: &LoadOptions,
+) -> Result<Scene, SceneError> {
+    let path = names.scene;
     let placed = meshes.iter().flat_map(|mesh| {
         let placements = mesh.rules.placements(DVec3::ZERO);
         // Of what stands in many places, some.
@@ -66,15 +112,16 @@ pub(super) fn load(
         mesh.obj.parts.iter().flat_map(of_part)
     });
     let origin = origin_of(placed);
-    let keeps_instances = keeps_instances(path, &meshes, options)?;
+    let keeps_instances = keeps_instances(path, meshes, options)?;
     let camera = file.camera(origin).map_err(|what| wrong_key(path, "camera", &what))?;
-    let mut scene = Scene::new(camera, file.film());
+    let anywhere = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
+    let mut scene = Scene::new(camera.unwrap_or(anywhere), file.film);
     scene.name = file.name.clone();
     scene.limits = file.limits();
     scene.background = file.background;
     let mut pictures = Pictures::new(options);
-    for LoadedObj { rules, path, text, obj } in &meshes {
-        let sources = Sources { file: &file, rules, names, obj_path: path };
+    for LoadedObj { rules, path, text, obj } in meshes {
+        let sources = Sources { file, rules, names: *names, obj_path: path };
         let places = Places { origin, keeps_instances };
         let mut parts = Parts::new(sources, text, places, options, pictures);
         parts.read_libraries(obj, &mut scene)?;
@@ -85,13 +132,16 @@ pub(super) fn load(
     }
     scene.textures = pictures.textures;
     scene.warnings.extend(pictures.warnings);
-    add_quads(path, &file, origin, &mut scene)?;
-    add_lights(path, &file, origin, &mut scene)?;
+    add_quads(path, file, origin, &mut scene)?;
+    add_lights(path, file, origin, &mut scene)?;
     if let Some(environment) = &file.environment {
-        environment.light(&names, options, &mut scene)?;
+        environment.light(names, options, &mut scene)?;
     }
-    warn_of_unused_materials(path, &file, &mut scene);
-    warn_of_the_whole(path, origin, &mut scene);
+    if camera.is_none() {
+        scene.frame_all();
+    }
+    warn_of_unused_materials(path, file, &mut scene);
+    warn_of_a_moved_origin(path, origin, &mut scene);
     Ok(scene)
 }
 
@@ -128,7 +178,7 @@ fn keeps_instances(
 struct LoadedObj<'a> {
     rules: &'a FileMesh,
     path: PathBuf,
-    text: Vec<u8>,
+    text: Cow<'a, [u8]>,
     obj: Obj,
 }
 
@@ -155,7 +205,7 @@ impl<'a> LoadedObj<'a> {
         } else {
             Obj::parse(&path, &text, smooth, memory)?
         };
-        Ok(Self { rules, path, text, obj })
+        Ok(Self { rules, path, text: Cow::Owned(text), obj })
     }
 }
 
@@ -222,18 +272,17 @@ fn warn_of_unused_materials(path: &Path, file: &SceneFile, scene: &mut Scene) {
     }
 }
 
-/// Says what the user should know of the scene as a whole.
-fn warn_of_the_whole(path: &Path, origin: DVec3, scene: &mut Scene) {
-    let path = path.display();
+/// Says so where positions count from another place than the files' origin.
+fn warn_of_a_moved_origin(path: &Path, origin: DVec3, scene: &mut Scene) {
     if origin != DVec3::ZERO {
         scene.warnings.push(format!(
-            "{path}: the scene is far from the origin; all positions count from ({}, {}, {}), so \
-             that none loses its digits.",
-            origin.x, origin.y, origin.z
+            "{}: the scene is far from the origin; all positions count from ({}, {}, {}), so that \
+             none loses its digits.",
+            path.display(),
+            origin.x,
+            origin.y,
+            origin.z
         ));
-    }
-    if !scene.emits() {
-        scene.warnings.push(format!("{path}: {DARK}"));
     }
 }
 

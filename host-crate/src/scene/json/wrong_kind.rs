@@ -4,10 +4,10 @@ use crate::scene::text::{Lines, split_keyword};
 use std::path::Path;
 
 const REMEDY: &str =
-    "a scene is a glTF, a PLY, or a JSON file that names an OBJ, see docs/GUIDE.md";
+    "a scene is a glTF, a PLY, an OBJ, or a JSON file that names some, see docs/GUIDE.md";
 
 /// Kinds of files by the ends of their names.
-const BY_ENDING: [(&[&str], &str); 6] = [
+const BY_ENDING: [(&[&str], &str); 5] = [
     (&["mtl"], "an MTL"),
     (&["fbx", "dae", "blend", "3ds", "max", "usd", "usda", "usdc", "usdz"], ""),
     (&["stl", "off", "pbrt", "xml", "abc", "x3d"], ""),
@@ -16,7 +16,6 @@ const BY_ENDING: [(&[&str], &str); 6] = [
         "a picture",
     ),
     (&["zip", "gz", "7z", "tar", "rar"], "an archive"),
-    (&["obj"], "an OBJ"),
 ];
 
 /// What a file of such a name is, and what a scene is; none if a scene may be called so.
@@ -37,13 +36,12 @@ pub(super) fn of(path: &Path, text: &[u8]) -> Option<String> {
         None => Some(format!("is empty; {REMEDY}")),
         Some(b'[' | b'"') => None,
         Some(b'{') => by_ending(path),
-        Some(_) if looks_like_obj(text) => Some(format!("is an OBJ, not a scene; {REMEDY}")),
         Some(_) => by_ending(path).or_else(|| Some(format!("is not JSON; {REMEDY}"))),
     }
 }
 
 /// Whether the first statement that is no comment is one of an OBJ.
-fn looks_like_obj(content: &[u8]) -> bool {
+pub(super) fn looks_like_obj(content: &[u8]) -> bool {
     let mut keywords = Lines::new(content).map(|(_, line)| split_keyword(&line).0.to_vec());
     let first = keywords.find(|keyword| !keyword.is_empty() && !keyword.starts_with(b"#"));
     let known: [&[u8]; 8] = [b"v", b"vt", b"vn", b"f", b"o", b"g", b"mtllib", b"usemtl"];
@@ -61,8 +59,7 @@ mod tests {
         assert_eq!(said("scene", " \n{"), None);
         assert_eq!(said("a.json", "[1]"), None);
         assert!(said("a.json", "hello").unwrap().starts_with("is not JSON"));
-        assert!(said("a.obj", "# x").unwrap().starts_with("is an OBJ, not a scene"));
-        assert!(said("a.txt", "# x\n\nmtllib a.mtl").unwrap().starts_with("is an OBJ"));
+        assert!(said("a.mtl", "newmtl x").unwrap().starts_with("is an MTL, not a scene"));
         assert!(said("a.fbx", "{}").unwrap().contains("another format (fbx)"));
         assert!(said("a.PNG", "\u{89}PNG").unwrap().starts_with("is a picture"));
         assert!(said("a.json", " ").unwrap().starts_with("is empty"));
