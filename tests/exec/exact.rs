@@ -35,12 +35,8 @@ fn whole_renders_are_the_cpus() {
         let integrators = integrators
             .map(|&integrator| (format!("{integrator:?}"), Settings { integrator, ..base }));
         // Other filters as estimators launch what they launch as filters, below, and then the same.
-        let estimators = [
-            Estimator::AxisAligned,
-            Estimator::Halves,
-            Estimator::Learned,
-            Estimator::Variance,
-        ];
+        let estimators =
+            [Estimator::AxisAligned, Estimator::Halves, Estimator::Learned, Estimator::Variance];
         let estimators = estimators.map(|estimator| {
             let sampling = Sampling { estimator, ..base.sampling };
             (format!("{estimator:?}"), Settings { sampling, ..base })
