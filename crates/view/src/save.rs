@@ -319,6 +319,7 @@ mod tests {
         for (name, bytes) in [
             ("a.glb", &b"glTF\xff\xfe"[..]),
             ("a.gltf", br#"{"asset": {"version": "2.0"}, "camera": {}}"#),
+            ("a.obj", b"v 0 0 0\n"),
             ("a.ply", b"ply\n"),
         ] {
             let path = folder.path().join(name);
@@ -327,7 +328,7 @@ mod tests {
             let error = error.to_string();
             assert!(error.contains(name) && error.contains("[1.5,2,3]"), "{error}");
         }
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "nothing was written");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4, "nothing was written");
         let missing = folder.path().join("none.json");
         let error = save_camera(&missing, &missing, &camera, &camera).unwrap_err().to_string();
         assert!(error.contains("none.json"), "{error}");

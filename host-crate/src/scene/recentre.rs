@@ -4,13 +4,26 @@
 //! so their numbers are read as f64, and a place in the middle of the geometry becomes the origin
 //! before they are rounded.
 
+use super::description::Scene;
 use glam::DVec3;
+use std::path::Path;
 
 /// So many times its own extent may geometry be from the origin. Farther away, details below a
 /// millionth of the extent would be lost.
 const MAX_DISTANCE: f64 = 16.0;
 /// So many positions are looked at, to find the middle.
 const SAMPLED: usize = 1 << 16;
+
+/// Says so where the positions of the scene of a file count from elsewhere than the file's do.
+pub(super) fn warn_if_moved(file: &Path, origin: DVec3, scene: &mut Scene) {
+    if origin != DVec3::ZERO {
+        let (file, DVec3 { x, y, z }) = (file.display(), origin);
+        scene.warnings.push(format!(
+            "{file}: the scene is far from the origin; all positions count from ({x}, {y}, {z}), \
+             so that none loses its digits."
+        ));
+    }
+}
 
 /// What to take off all positions: round numbers near the middle of most of them, or zero if they
 /// are near the origin. A few that lie elsewhere do not count.

@@ -41,9 +41,9 @@ use super::film::FilmSize;
 use super::framing::FRAMED;
 use super::material::Material;
 use super::options::LoadOptions;
-use super::recentre::origin_of;
+use super::recentre::{origin_of, warn_if_moved};
 use super::source::{SceneBytes, Source};
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, Vec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -75,13 +75,7 @@ pub(super) fn load(
         let count = cleaner.degenerate;
         scene.warnings.push(format!("{path}: {count} triangles without area were dropped."));
     }
-    if origin != DVec3::ZERO {
-        scene.warnings.push(format!(
-            "{path}: the scene is far from the origin; all positions count from ({}, {}, {}), so \
-             that none loses its digits.",
-            origin.x, origin.y, origin.z
-        ));
-    }
+    warn_if_moved(file.path, origin, &mut scene);
     lights::add(&document, &nodes, origin, &mut scene)?;
     camera::add(&document, &nodes, origin, &mut scene)?;
     match scene.cameras.first() {

@@ -34,7 +34,7 @@ use super::obj::{Obj, Part, Placement};
 use super::options::LoadOptions;
 use super::picture::Pictures;
 use super::ply;
-use super::recentre::origin_of;
+use super::recentre::{origin_of, warn_if_moved};
 use super::source::{SceneBytes, Source};
 use glam::{DAffine3, DVec3, Vec3};
 use serde::de::Error as _;
@@ -141,7 +141,7 @@ fn assemble(
         scene.frame_all();
     }
     warn_of_unused_materials(path, file, &mut scene);
-    warn_of_a_moved_origin(path, origin, &mut scene);
+    warn_if_moved(path, origin, &mut scene);
     Ok(scene)
 }
 
@@ -269,20 +269,6 @@ fn warn_of_unused_materials(path: &Path, file: &SceneFile, scene: &mut Scene) {
     if !unused.is_empty() {
         let (path, unused) = (path.display(), super::error::list(&unused));
         scene.warnings.push(format!("{path}: no mesh names these materials: {unused}."));
-    }
-}
-
-/// Says so where positions count from another place than the files' origin.
-fn warn_of_a_moved_origin(path: &Path, origin: DVec3, scene: &mut Scene) {
-    if origin != DVec3::ZERO {
-        scene.warnings.push(format!(
-            "{}: the scene is far from the origin; all positions count from ({}, {}, {}), so that \
-             none loses its digits.",
-            path.display(),
-            origin.x,
-            origin.y,
-            origin.z
-        ));
     }
 }
 

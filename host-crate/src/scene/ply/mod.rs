@@ -15,7 +15,7 @@ use crate::scene::material::Material;
 use crate::scene::obj::texture_map::Laid;
 use crate::scene::obj::{NO_MATERIAL, Obj, Part, Placement};
 use crate::scene::options::LoadOptions;
-use crate::scene::recentre::origin_of;
+use crate::scene::recentre::{origin_of, warn_if_moved};
 use crate::scene::source::SceneBytes;
 use crate::scene::text::Name;
 use glam::{DVec2, DVec3, Vec3};
@@ -59,15 +59,9 @@ pub(in crate::scene) fn load(
     }
     scene.frame_all();
     scene.set_environment(Environment::studio());
+    warn_if_moved(path, origin, &mut scene);
     let path = path.display();
     let mut warn = |what: String| scene.warnings.push(format!("{path}: {what}"));
-    if origin != DVec3::ZERO {
-        let DVec3 { x, y, z } = origin;
-        warn(format!(
-            "the scene is far from the origin; all positions count from ({x}, {y}, {z}), so that \
-             none loses its digits."
-        ));
-    }
     if cleaner.degenerate > 0 {
         warn(format!("{} triangles without area were dropped.", cleaner.degenerate));
     }
