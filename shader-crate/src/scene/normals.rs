@@ -20,8 +20,10 @@ const LEAST_SHARE: f32 = 0.9;
 /// Squared sine under which two normals are one.
 const SAME: f32 = 1e-12;
 
-/// Unit normals of one side of a surface, as its corners and maps have them.
+/// Unit normals of one side of a surface, as its corners and maps have them. Aligned as WGSL has it:
+/// a struct around it must leave it the 48 bytes that it has there.
 #[derive(Clone, Copy)]
+#[repr(align(16))]
 pub struct Normals {
     /// That of shading.
     pub shading: Vec3,
