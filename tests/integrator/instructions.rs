@@ -2,10 +2,11 @@
 //! a device chooses.
 
 use super::tracing::{Case, cases};
+use glam::{Vec2, Vec3};
 use raystream::exec::{Array, Executor};
 use raystream::render::integrator::{IntegratorContext, StreamBuffers, create};
 use raystream::render::{PreparedScene, Settings};
-use raystream::scene::load;
+use raystream::scene::{Material, Mesh, Scene, Texture, Wrap, load};
 use raystream_shaders::film::Contribution;
 use raystream_tests::{cpus, large_scenes, render_on, scenes, settings, with_gpu};
 
@@ -26,6 +27,54 @@ fn assert_contributions_are_the_same(case: &Case) {
 fn contributions_are_the_same_by_all_instructions() {
     for case in cases(6000) {
         assert_contributions_are_the_same(&case);
+    }
+}
+
+/// Triangles with textures that go on beyond their edges in different ways.
+fn papered() -> Scene {
+    let mut scene = scenes::empty(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO);
+    scene.background = Vec3::new(0.4, 0.7, 1.0);
+    let ways = [
+        [Wrap::Repeat, Wrap::Repeat],
+        [Wrap::Clamp, Wrap::Repeat],
+        [Wrap::Repeat, Wrap::Mirror],
+        [Wrap::Mirror, Wrap::Clamp],
+    ];
+    for (x, wrap) in (-2..).map(|x| x as f32).zip(ways) {
+        let texels = (0..15).map(|k| [255 - 16 * k, 17 * k, 90 + 9 * k, 255]).collect();
+        let texture = scene.add_texture(Texture { wrap, ..Texture::new(5, 3, texels) });
+        let material = scene.add_material(Material::textured(texture));
+        let positions = [[x, -1.0, 0.0], [x + 1.0, -1.0, 0.5], [x + 0.5, 1.0, -0.5]];
+        let positions = positions.map(Vec3::from_array).to_vec();
+        let mut mesh = Mesh::new(material, positions, vec![[0, 1, 2]]);
+        let uv = [[-3.7, 2.2], [5.3, -1.4], [0.1, 9.9]].map(Vec2::from_array);
+        mesh.texture_coordinates = Some(vec![uv]);
+        scene.add_mesh(mesh);
+    }
+    scene
+}
+
+#[test]
+fn contributions_of_textures_are_the_same_by_all_instructions() {
+    assert_contributions_are_the_same(&Case::new("textures", papered(), 3000));
+}
+
+/// Lanes of vector instructions have paths of slots that follow each other: any number of these is
+/// traced, and none beside them.
+#[test]
+fn streams_of_any_length_are_traced_by_all_instructions() {
+    let scene = || scenes::room(scenes::mirror(0.9), 1.0);
+    for case in [Case::new("a few slots", scene(), 50), Case::new("", scene(), 50).scrambled()] {
+        let devices = cpus();
+        let expected = case.megakernel(&devices[0], case.all());
+        for device in &devices[1..] {
+            for (first, end) in [(0, 1), (0, 7), (3, 20), (16, 33), (0, 50)] {
+                let found = case.megakernel(device, first..end);
+                let expected = &expected[first as usize..end as usize];
+                let message = format!("{}: {first} to {end}", device.description());
+                assert!(found == expected, "{message}");
+            }
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! The table of kernels as data, made from [`raystream_shaders::for_each_kernel!`].
 
+#[cfg(target_arch = "x86_64")]
+use super::lanes;
 use super::native::{Job, NativeArguments, NativeBinding, part_of, run_all};
 use super::scene_buffers::SceneUses;
 use super::{Launch, SceneBuffers, Table, View};
@@ -190,7 +192,7 @@ macro_rules! kernels {
                                 ($($written)*) ($($scattered)*) ($($atomic)*)
                             }
                         }
-                        by_level!([$($scene)?] native)
+                        by_level!([$($scene)?] $name native)
                     },
                 };
             )*
@@ -224,18 +226,27 @@ macro_rules! scene_binding {
 /// What the bindings of a scene are called.
 const SCENE_NAMES: [&str; 3] = SceneBuffers::<()>::NAMES;
 
-/// Picks the lowest level that has the abilities that a launch's scene uses.
+/// Picks the lowest level that has the abilities that a launch's scene uses; of the megakernel the
+/// paths in [`lanes`], where these can do it.
 macro_rules! by_level {
-    ([] $native:ident) => {
+    ([] $name:ident $native:ident) => {
         |arguments| $native(arguments.with_abilities(Fixed::<{ abilities::BASIC }>))
     };
-    ([$scene:ident] $native:ident) => {
+    ([scene] trace_paths $native:ident) => {
         |arguments| {
-            if arguments.abilities & !abilities::BASIC == 0 {
-                $native(arguments.with_abilities(Fixed::<{ abilities::BASIC }>));
-            } else {
-                $native(arguments.with_abilities(Fixed::<{ abilities::ALL }>));
-            }
+            #[cfg(target_arch = "x86_64")]
+            let Err(arguments) = lanes::trace_paths(arguments) else { return };
+            by_level!(@of_scene arguments, $native);
+        }
+    };
+    ([$scene:ident] $name:ident $native:ident) => {
+        |arguments| by_level!(@of_scene arguments, $native)
+    };
+    (@of_scene $arguments:ident, $native:ident) => {
+        if $arguments.abilities & !abilities::BASIC == 0 {
+            $native($arguments.with_abilities(Fixed::<{ abilities::BASIC }>));
+        } else {
+            $native($arguments.with_abilities(Fixed::<{ abilities::ALL }>));
         }
     };
 }
@@ -262,11 +273,11 @@ fn scene_view<'a, F: Abilities>(
         .with_wide(scene.wide)
 }
 
-fn slice<T: Pod>(view: Option<NativeBinding<'_>>) -> &[T] {
+pub(super) fn slice<T: Pod>(view: Option<NativeBinding<'_>>) -> &[T] {
     view.map_or(&[], NativeBinding::into_slice)
 }
 
-fn slice_mut<T: Pod>(view: Option<NativeBinding<'_>>) -> &mut [T] {
+pub(super) fn slice_mut<T: Pod>(view: Option<NativeBinding<'_>>) -> &mut [T] {
     view.map_or(&mut [], NativeBinding::into_slice_mut)
 }
 

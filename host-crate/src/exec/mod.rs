@@ -14,6 +14,8 @@ pub mod devices;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod kernels;
+#[cfg(target_arch = "x86_64")]
+mod lanes;
 mod launch;
 mod native;
 mod paired;
