@@ -83,7 +83,7 @@ fn bent(normal: Vec3, geometric: Vec3, viewer: Vec3) -> Vec3 {
     let reach = (beside * beside + height * height).max(f32::MIN_POSITIVE);
     let across = (reach - least * least).max(0.0).sqrt();
     // Cosine of twice the angle.
-    let twice = ((height * least - beside * across) / reach).max(-1.0).min(1.0);
+    let twice = ((height * least - beside * across) / reach).clamp(-1.0, 1.0);
     let (sine, cosine) = ((0.5 - 0.5 * twice).sqrt(), (0.5 + 0.5 * twice).sqrt());
     (along * sine + geometric * cosine).normalize()
 }

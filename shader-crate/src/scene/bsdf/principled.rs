@@ -273,6 +273,18 @@ impl<F: Abilities> Principled<'_, F> {
         AlbedoView { first: self.albedos.first + self.layers.boundary_albedos, ..self.albedos }
     }
 
+    /// A direction above the surface in the frame of the base: `i`, or what maps make of `direction`
+    /// in the world, which the base sees from above or from the side.
+    #[inline(always)]
+    fn seen_by_base(&self, i: Vec3, direction: Vec3) -> Vec3 {
+        let mut seen = i;
+        if self.abilities.has(NORMAL_MAPS) {
+            seen = self.frame(self.facing.base).local(direction);
+            seen.z = seen.z.max(0.0);
+        }
+        seen
+    }
+
     /// What is to be said of light from `i`, whose direction in the world is `direction`.
     fn evaluate(&self, lobes: &Lobes, o: Vec3, i: Vec3, direction: Vec3) -> BsdfSample {
         let [surface, base, below] = lobes.chances;
@@ -306,11 +318,7 @@ impl<F: Abilities> Principled<'_, F> {
             }
             value += reflected * (opaque * both * lobe);
             pdf += surface * seen * lobe;
-            let mut of_base = i;
-            if self.abilities.has(NORMAL_MAPS) {
-                of_base = self.frame(self.facing.base).local(direction);
-                of_base.z = of_base.z.max(0.0);
-            }
+            let of_base = self.seen_by_base(i, direction);
             value += self.cosine_lobe(lobes, of_base) * (opaque * of_base.z * FRAC_1_PI);
             pdf += base * of_base.z * FRAC_1_PI;
         }
