@@ -50,7 +50,7 @@ fn scene_files_that_are_wrong() {
 #[test]
 fn scene_files_that_are_no_json() {
     refused(&SceneFolder::new().without("scene.json"), &["scene.json", "cannot be read"]);
-    refused(&SceneFolder::new().with("scene.json", "v 0 0 0"), &["scene.json", "is an OBJ"]);
+    refused(&SceneFolder::new().with("scene.json", "v 0 0 0"), &["scene.json", "has no faces"]);
     refused(&SceneFolder::new().with("scene.json", ""), &["scene.json"]);
     let text = std::fs::read_to_string(SceneFolder::new().path("scene.json")).unwrap();
     for number in ["NaN", "Infinity", "1e999"] {
