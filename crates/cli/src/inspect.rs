@@ -12,8 +12,8 @@ use std::path::PathBuf;
 /// The options of `raystream inspect`.
 #[derive(Args)]
 pub struct InspectArguments {
-    /// A scene: a scene file, a glTF (.gltf, .glb), an OBJ, a PLY, the name of a scene that ships, or
-    /// - for standard input.
+    /// A scene: a scene file, a glTF (.gltf, .glb), an OBJ, a PLY, the name of a scene that ships,
+    /// or - for standard input.
     scene: PathBuf,
     /// Print JSON, for other programs.
     #[arg(long)]

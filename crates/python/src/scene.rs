@@ -173,7 +173,7 @@ fn load_with(scene: &Bound<'_, PyAny>, options: Options) -> PyResult<Scene> {
     Ok(scene)
 }
 
-/// Loads a scene: a scene file, a glTF (.gltf, .glb), an OBJ, a PLY, or the name of one that ships.
+/// Loads a scene: a scene file, a glTF (.gltf, .glb), an OBJ, a PLY, or one that ships, by name.
 ///
 /// load(scene, **options): the options that `raystream render` has for that, by the same names with
 /// `_` for `-`; options() lists them. What the picture will not show is warned of. Raises

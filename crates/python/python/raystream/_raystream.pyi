@@ -182,7 +182,7 @@ class Film:
     def __contains__(self, name: str, /) -> bool: ...
 
 def load(scene: Path, **options: Unpack[LoadOptions]) -> Scene:
-    """Loads a scene: a scene file, a glTF (.gltf, .glb), an OBJ, a PLY, or the name of one that ships.
+    """Loads a scene: a scene file, a glTF (.gltf, .glb), an OBJ, a PLY, or one that ships, by name.
 
     The options are those of `raystream render`, by the same names with `_` for `-`. What the
     picture will not show is warned of. Raises FileNotFoundError, another OSError or ValueError,

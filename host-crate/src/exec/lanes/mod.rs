@@ -41,8 +41,8 @@ use scene::Scene;
 /// Slots of one job at least: of fewer many lanes would be idle while the last paths end.
 const SMALLEST_PART: u32 = 256;
 
-/// Runs a launch of the megakernel, or gives back the arguments of one that asks for more than paths
-/// in lanes know.
+/// Runs a launch of the megakernel, or gives back the arguments of one that asks for more than
+/// paths in lanes know.
 pub fn trace_paths(arguments: NativeArguments<'_, u32>) -> Result<(), NativeArguments<'_, u32>> {
     let params: PathParams = arguments.parameters();
     let is_known = knows(arguments.abilities, &params);

@@ -7,8 +7,8 @@ use super::vectors::Vectors;
 use glam::{Vec2, Vec3};
 use raystream_shaders::scene::texture::{CLAMP, Coordinates, DECODE_WORDS};
 
-/// What is added to a whole number of less than 23 bits to have it as an integer in the lowest bits.
-/// Of no number it makes one that no texture has room for.
+/// What is added to a whole number of less than 23 bits to have it as an integer in the lowest
+/// bits. Of no number it makes one that no texture has room for.
 const WHOLE: f32 = 12_582_912.0;
 
 /// [`TextureView::reflectance`](raystream_shaders::scene::texture::TextureView::reflectance) of
