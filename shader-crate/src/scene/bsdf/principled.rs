@@ -249,13 +249,21 @@ impl<F: Abilities> Principled<'_, F> {
         lobe: f32,
     ) -> (Vec3, bool) {
         let [surface, base, _] = lobes.chances;
-        if self.abilities.has(NORMAL_MAPS) && lobe >= surface && lobe < surface + base {
+        if self.is_base_apart() && lobe >= surface && lobe < surface + base {
             return (frame.local(sample_cosine_hemisphere(self.facing.base, u)), false);
         }
         if self.has_grain() && lobe < lobes.chances[0] {
             return ((-o).reflect(lobes.stretched.sample_visible(o, u)), false);
         }
         lobes.sample(o, u, lobe)
+    }
+
+    /// Whether the base faces another way than what mirrors: elsewhere its frame is theirs, to the
+    /// last bit.
+    #[inline(always)]
+    fn is_base_apart(&self) -> bool {
+        let apart = self.facing.base - self.facing.normal;
+        self.abilities.has(NORMAL_MAPS) && apart.length_squared() > 0.0
     }
 
     /// Whether it is a metal whose index of refraction is known, and nothing else.
@@ -278,7 +286,7 @@ impl<F: Abilities> Principled<'_, F> {
     #[inline(always)]
     fn seen_by_base(&self, i: Vec3, direction: Vec3) -> Vec3 {
         let mut seen = i;
-        if self.abilities.has(NORMAL_MAPS) {
+        if self.is_base_apart() {
             seen = self.frame(self.facing.base).local(direction);
             seen.z = seen.z.max(0.0);
         }
