@@ -69,7 +69,7 @@ pub struct NamedCamera {
 impl Camera {
     /// A camera at `origin` that looks at `target`, both in world units, with y upwards and an
     /// angle of view of `fov_y` degrees over the picture's height.
-    pub fn new(origin: Vec3, target: Vec3, fov_y: f32) -> Self {
+    pub const fn new(origin: Vec3, target: Vec3, fov_y: f32) -> Self {
         let projection = Projection::Perspective { fov_y, lens: None };
         Self { origin, target, up: Vec3::Y, projection }
     }

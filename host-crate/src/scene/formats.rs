@@ -4,7 +4,7 @@ use super::description::Scene;
 use super::error::SceneError;
 use super::options::LoadOptions;
 use super::source::{SceneBytes, Source, parent};
-use super::{gltf, json, ply};
+use super::{gltf, json, obj, ply};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::path::Path;
@@ -69,7 +69,7 @@ impl Format {
         } else {
             by_ending(path)
                 .or_else(|| is_gltf_text(bytes).then_some(Self::Gltf))
-                .or_else(|| json::is_obj(bytes).then_some(Self::Obj))
+                .or_else(|| obj::is_obj(bytes).then_some(Self::Obj))
                 .unwrap_or(Self::Json)
         }
     }

@@ -16,6 +16,9 @@ const MARGIN: f32 = 1.08;
 /// How warnings end of scenes whose file has no camera.
 pub(super) const FRAMED: &str = "the picture is taken from where all of it is seen.";
 
+/// The camera of a scene until it [is framed](Scene::frame_all), where its file has none.
+pub(super) const TO_BE_FRAMED: Camera = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
+
 impl Scene {
     /// Puts the camera where all meshes and instances are in the picture, which has the default
     /// size: before them, a little to the right and above.

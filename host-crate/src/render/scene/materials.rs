@@ -14,7 +14,7 @@ use raystream_shaders::scene::bsdf::layer_maps::{
     SPECULAR_COLOUR, TRANSMISSION,
 };
 use raystream_shaders::scene::bsdf::layers::{
-    BLEND, F90_BIT, F90_STEPS, GRAIN_STEPS, Layers, MASK, ROTATION_BIT, STRENGTH_BIT, THIN,
+    BLEND, GRAIN_STEPS, Layers, MASK, ROTATION_BIT, STRENGTH_BIT, THIN,
 };
 use raystream_shaders::scene::bsdf::{self, MaterialKind};
 use raystream_shaders::scene::texture::NO_TEXTURE;
@@ -173,9 +173,7 @@ fn layers(principled: &Principled, tables: &mut Tables, places: &[u32]) -> Layer
         metallic_map: place_of(principled.maps.metallic.map(|map| map.texture)),
         normal_map: place_of(principled.maps.normal.map(|map| map.texture)),
         normal_scale: principled.maps.normal.map_or(1.0, |map| map.scale),
-        channels: channel(principled.maps.roughness)
-            | channel(principled.maps.metallic) << 8
-            | ((principled.f90 * F90_STEPS as f32).round() as u32) << F90_BIT,
+        channels: channel(principled.maps.roughness) | channel(principled.maps.metallic) << 8,
         boundary_albedos,
         sheen: principled.sheen,
         sheen_roughness: principled.sheen_roughness,
@@ -188,6 +186,7 @@ fn layers(principled: &Principled, tables: &mut Tables, places: &[u32]) -> Layer
         emission_map: place_of(principled.maps.emission),
         conductor: principled.conductor.map_or(0, |metal| tables.conductor(metal)),
     }
+    .with_f90(principled.f90)
 }
 
 /// The bits of [`Layers::flags`] that say how anisotropic a material is.

@@ -32,13 +32,12 @@ use self::nodes::Nodes;
 use self::placed::Placed;
 use self::primitive::{Primitive, Shape};
 use self::variants::Variants;
-use super::camera::Camera;
 use super::clean::Cleaner;
 use super::description::Scene;
 use super::environment::{Environment, LIT_BY_DEFAULT};
 use super::error::SceneError;
 use super::film::FilmSize;
-use super::framing::FRAMED;
+use super::framing::{FRAMED, TO_BE_FRAMED};
 use super::material::Material;
 use super::options::LoadOptions;
 use super::recentre::{origin_of, warn_if_moved};
@@ -59,7 +58,7 @@ pub(super) fn load(
     }
     let nodes = Nodes::of(&document)?;
     let variants = Variants::of(&document, options.variant.as_deref())?;
-    let mut scene = Scene::new(Camera::new(Vec3::Z, Vec3::ZERO, 40.0), FilmSize::default());
+    let mut scene = Scene::new(TO_BE_FRAMED, FilmSize::default());
     scene.name = file.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
     document.warn(options.at.is_some(), &mut scene);
     let mut materials = Materials::new(&document, source, options);

@@ -24,11 +24,10 @@ use self::names::Names;
 use self::parts::{Parts, Places};
 use self::surfaces::Sources;
 use super::bounds;
-use super::camera::Camera;
 use super::description::{DARK, Scene};
 use super::environment::{Environment, LIT_BY_DEFAULT};
 use super::error::SceneError;
-use super::framing::FRAMED;
+use super::framing::{FRAMED, TO_BE_FRAMED};
 use super::gltf;
 use super::obj::{Obj, Part, Placement};
 use super::options::LoadOptions;
@@ -36,7 +35,7 @@ use super::picture::Pictures;
 use super::ply;
 use super::recentre::{origin_of, warn_if_moved};
 use super::source::{SceneBytes, Source};
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3};
 use serde::de::Error as _;
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -88,11 +87,6 @@ pub(super) fn load_obj(
     Ok(scene)
 }
 
-/// Whether a text looks like an OBJ.
-pub(super) fn is_obj(text: &[u8]) -> bool {
-    wrong_kind::looks_like_obj(text)
-}
-
 /// The scene of a file and of what it names.
 fn assemble(
     names: &Names<'_>,
@@ -114,8 +108,7 @@ fn assemble(
     let origin = origin_of(placed);
     let keeps_instances = keeps_instances(path, meshes, options)?;
     let camera = file.camera(origin).map_err(|what| wrong_key(path, "camera", &what))?;
-    let anywhere = Camera::new(Vec3::Z, Vec3::ZERO, 40.0);
-    let mut scene = Scene::new(camera.unwrap_or(anywhere), file.film);
+    let mut scene = Scene::new(camera.unwrap_or(TO_BE_FRAMED), file.film);
     scene.name = file.name.clone();
     scene.limits = file.limits();
     scene.background = file.background;

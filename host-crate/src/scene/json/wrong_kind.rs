@@ -1,6 +1,5 @@
 //! Files of other kinds that are given as a scene.
 
-use crate::scene::text::{Lines, split_keyword};
 use std::path::Path;
 
 const REMEDY: &str =
@@ -38,14 +37,6 @@ pub(super) fn of(path: &Path, text: &[u8]) -> Option<String> {
         Some(b'{') => by_ending(path),
         Some(_) => by_ending(path).or_else(|| Some(format!("is not JSON; {REMEDY}"))),
     }
-}
-
-/// Whether the first statement that is no comment is one of an OBJ.
-pub(super) fn looks_like_obj(content: &[u8]) -> bool {
-    let mut keywords = Lines::new(content).map(|(_, line)| split_keyword(&line).0.to_vec());
-    let first = keywords.find(|keyword| !keyword.is_empty() && !keyword.starts_with(b"#"));
-    let known: [&[u8]; 8] = [b"v", b"vt", b"vn", b"f", b"o", b"g", b"mtllib", b"usemtl"];
-    first.is_some_and(|keyword| known.contains(&keyword.as_slice()))
 }
 
 #[cfg(test)]

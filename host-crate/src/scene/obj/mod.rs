@@ -18,7 +18,7 @@ use self::pieces::Pieces;
 use self::problem::{BadLine, Cost};
 use self::vertices::{VN, VT, Vertices};
 use super::error::SceneError;
-use super::text::{Name, plain_text};
+use super::text::{Lines, Name, plain_text, split_keyword};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -36,6 +36,14 @@ pub(super) struct Obj {
     pub coloured: usize,
     /// How many vertices, texture coordinates and normals are unusable, and the first such line.
     pub unusable: Option<(usize, usize)>,
+}
+
+/// Whether the first statement that is no comment is one of an OBJ.
+pub(super) fn is_obj(content: &[u8]) -> bool {
+    let mut keywords = Lines::new(content).map(|(_, line)| split_keyword(&line).0.to_vec());
+    let first = keywords.find(|keyword| !keyword.is_empty() && !keyword.starts_with(b"#"));
+    let known: [&[u8]; 8] = [b"v", b"vt", b"vn", b"f", b"o", b"g", b"mtllib", b"usemtl"];
+    first.is_some_and(|keyword| known.contains(&keyword.as_slice()))
 }
 
 /// Polygons stay whole; positions, texture coordinates and normals keep their own indices.

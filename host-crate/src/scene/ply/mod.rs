@@ -4,13 +4,12 @@ mod element;
 
 use self::element::{Face, Has, Nothing, Vertex};
 use crate::scene::bounds::MAX_COORDINATE;
-use crate::scene::camera::Camera;
 use crate::scene::clean::Cleaner;
 use crate::scene::description::Scene;
 use crate::scene::environment::{Environment, LIT_BY_DEFAULT};
 use crate::scene::error::SceneError;
 use crate::scene::film::FilmSize;
-use crate::scene::framing::FRAMED;
+use crate::scene::framing::{FRAMED, TO_BE_FRAMED};
 use crate::scene::material::Material;
 use crate::scene::obj::texture_map::Laid;
 use crate::scene::obj::{NO_MATERIAL, Obj, Part, Placement};
@@ -45,7 +44,7 @@ pub(in crate::scene) fn load(
     let path = file.path;
     let geometry = parse(path, file.bytes, true, options.max_memory)?;
     let origin = origin_of(geometry.parts.iter().map(Part::positions));
-    let mut scene = Scene::new(Camera::new(Vec3::Z, Vec3::ZERO, 40.0), FilmSize::default());
+    let mut scene = Scene::new(TO_BE_FRAMED, FilmSize::default());
     scene.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
     let is_coloured = geometry.coloured > 0;
     let paint = if is_coloured { Vec3::ONE } else { PAINT };
