@@ -123,9 +123,12 @@ impl Processes for MpiProcesses {
 
 /// A way from this process's worker number `index` to another process's worker.
 fn connect(post: &Post, index: usize, way: Way) -> Box<dyn Link> {
-    let address = match way {
-        Way::To(other) => Address::between(other.process, index, other.worker as usize),
-        Way::From(other) => Address::between(other.process, other.worker as usize, index),
-    };
-    Box::new(post.open(address))
+    Box::new(match way {
+        Way::To(other) => {
+            post.open_to(Address::between(other.process, index, other.worker as usize))
+        }
+        Way::From(other) => {
+            post.open(Address::between(other.process, other.worker as usize, index))
+        }
+    })
 }
