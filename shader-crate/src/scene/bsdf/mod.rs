@@ -285,9 +285,10 @@ impl<F: Abilities> Bsdf<'_, F> {
 
     /// What flux that arrived along `incoming` is multiplied by where `sample` was picked: the BSDF
     /// with the directions changed, times the cosine of `sample`, over its density (Veach 1997,
-    /// section 3.7.6). Flux that crosses a boundary is not squeezed.
+    /// section 3.7.6). Flux that crosses a boundary is not squeezed. A sample that is lost is lost to
+    /// flux, too: the density is none of its lobe, or of none.
     pub fn weight_of_flux(&self, incoming: Vec3, sample: &BsdfSample) -> Vec3 {
-        if self.is_principled() && sample.pdf > 0.0 && self.keeps_side(sample.direction) {
+        if self.is_principled() && sample.weight.max_element() > 0.0 {
             let back = self.eval_back(incoming, sample.direction);
             let here = self.normal.dot(incoming).abs().max(f32::MIN_POSITIVE);
             let there = self.normal.dot(sample.direction).abs();
