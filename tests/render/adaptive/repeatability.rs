@@ -37,13 +37,14 @@ fn rooms() -> impl Iterator<Item = (PreparedScene, Settings, String)> {
 #[test]
 fn films_are_the_same_on_the_cpu_whatever_the_batches() {
     for (scene, settings, name) in rooms() {
-        let (first, batches) = film(&small(&CpuExecutor), &scene, &settings);
+        let (first, _) = film(&small(&CpuExecutor), &scene, &settings);
         let (second, _) = film(&small(&CpuExecutor), &scene, &settings);
         assert!(first == second, "{name}");
-        let (slow, short_batches) =
+        let (slow, batches) =
             film(&small(&CpuExecutor).with_slow_batches(&table::trace_paths, 3), &scene, &settings);
-        // Their number may be the same on a busy machine, whose batches are slow anyway.
-        assert_ne!(short_batches, batches, "{name}: slow batches change how rounds are cut");
+        // Not compared with those before: on a busy machine they are slow anyway.
+        let paths = |batch: usize| batches[batch + 1] - batches[batch];
+        assert!(paths(1) < paths(0), "{name}: a slow batch makes the next one shorter");
         assert!(first == slow, "{name}: batches show");
         let (other, _) = film(&small(&CpuExecutor), &scene, &Settings { seed: 2, ..settings });
         assert!(first != other, "{name}: another seed is another film");
