@@ -60,6 +60,12 @@ impl Case {
         self
     }
 
+    /// As kernels with these abilities see it.
+    pub fn compiled_for(mut self, abilities: u32) -> Self {
+        self.scene.abilities = abilities;
+        self
+    }
+
     /// The contributions of `part` as the integrator finds them, and the paths under way in its
     /// iterations.
     pub fn trace<E: Executor>(
