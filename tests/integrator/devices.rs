@@ -8,7 +8,6 @@
 use super::tracing::{OTHERS, cases, integrator};
 use raystream::exec::Executor;
 use raystream_shaders::film::Contribution;
-use raystream_shaders::scene::abilities::ALL;
 use raystream_tests::statistics::normal_quantile;
 use raystream_tests::with_gpu;
 use std::io::Write;
@@ -27,8 +26,7 @@ fn is_the_same_path(a: &Contribution, b: &Contribution) -> bool {
 fn contributions_are_the_megakernels_but_for_rounding() {
     with_gpu(|gpu| {
         let (mut identical, mut slots) = (0, 0);
-        // Those of fewer abilities make the same (`abilities.rs`), and each is compiled by itself.
-        for case in cases(1500).into_iter().map(|case| case.compiled_for(ALL)) {
+        for case in cases(1500) {
             let expected = case.megakernel(gpu, case.all());
             let rays: u32 = expected.iter().map(|c| c.rays).sum();
             for (kind, pool) in OTHERS.into_iter().flat_map(|kind| [(kind, 100), (kind, 1500)]) {
