@@ -11,7 +11,7 @@ use mpi::point_to_point::Source;
 use mpi::topology::{Communicator, SimpleCommunicator};
 use mpi::traits::AsRaw;
 use mpi::{Rank, ffi};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -66,8 +66,7 @@ impl Office {
         let (rank, size) = (world.rank(), world.size());
         let (sender, mail) = channel();
         let (greetings, greeted) = channel();
-        let (links, lost) = (HashMap::new(), HashSet::new());
-        let inboxes = Arc::new(Mutex::new(Inboxes { links, greetings, lost }));
+        let inboxes = Arc::new(Mutex::new(Inboxes::new(greetings)));
         let post = Post::new(rank, size, sender, Arc::clone(&inboxes));
         let now = Instant::now();
         let others = if rank == 0 { 1..size } else { 0..1 };

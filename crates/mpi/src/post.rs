@@ -62,6 +62,11 @@ pub struct Inboxes {
 }
 
 impl Inboxes {
+    /// None yet but the one of greetings.
+    pub fn new(greetings: Sender<Greeting>) -> Self {
+        Self { links: HashMap::new(), greetings, lost: HashSet::new() }
+    }
+
     /// Puts a message where it belongs, and keeps it if nobody has opened that yet.
     pub fn deliver(&mut self, from: Address, bytes: Vec<u8>) {
         if self.lost.contains(&from.rank) {
@@ -84,8 +89,7 @@ impl Inboxes {
     /// The receiver of what comes from there from now on.
     fn open(&mut self, from: Address) -> Receiver<Vec<u8>> {
         if self.lost.contains(&from.rank) {
-            // Nobody will ever send anything.
-            return std::sync::mpsc::channel().1;
+            return silent();
         }
         let (_, kept) = self.links.entry(from).or_insert_with(new_inbox);
         kept.take().unwrap_or_else(|| {
@@ -144,13 +148,18 @@ impl Post {
     /// A way to a worker from which nothing comes back. It leaves alone what comes from the same
     /// address: between two workers of one process that is the other end of the way.
     pub fn open_to(&self, address: Address) -> MpiLink {
-        MpiLink { post: self.clone(), address, inbox: std::sync::mpsc::channel().1 }
+        MpiLink { post: self.clone(), address, inbox: silent() }
     }
 }
 
 fn new_inbox() -> Inbox {
     let (sender, receiver) = std::sync::mpsc::channel();
     (sender, Some(receiver))
+}
+
+/// What nobody will ever send anything to.
+fn silent() -> Receiver<Vec<u8>> {
+    std::sync::mpsc::channel().1
 }
 
 /// A way to a worker of another process, or from one to the first process.
@@ -186,8 +195,7 @@ mod tests {
     fn two_workers_of_one_process_have_a_way() {
         for giver_is_first in [true, false] {
             let (greetings, _) = std::sync::mpsc::channel();
-            let (links, lost) = (HashMap::new(), HashSet::new());
-            let inboxes = Arc::new(Mutex::new(Inboxes { links, greetings, lost }));
+            let inboxes = Arc::new(Mutex::new(Inboxes::new(greetings)));
             let (sender, mail) = std::sync::mpsc::channel();
             let post = Post::new(1, 2, sender, Arc::clone(&inboxes));
             let address = Address::between(1, 1, 0);

@@ -78,7 +78,8 @@ fn a_missing_layer_is_noticed() {
     assert!(messages.contains(MISSING_LAYER), "{messages}");
 }
 
-/// Those of two renders; that it takes all of them is a test of its own (`tests/exec/wgsl.rs`).
+/// Those of the first render and the last, by `lvc`; that it takes all of them is a test of its own
+/// (`tests/exec/wgsl.rs`).
 #[test]
 fn naga_translates_the_kernels() {
     if !raystream_tests::has_gpu() {
